@@ -9,7 +9,7 @@ from snakemake.exceptions import WorkflowError
 from common.errors import UserError
 from workflow.configuration import COARSE_MESHES, Configuration
 from workflow.failed import cases_of_failed_arms, without_failed
-from workflow.half_maximum import STATES as ARM_STATES, HalfMaximum
+from workflow.half_maximum import ARM_STATES, HalfMaximum
 from workflow.imports import code, command_code, flow_benchmark_code, module_code
 from workflow.inputs import (
     Inputs,
@@ -31,20 +31,20 @@ from workflow.inputs import (
     study_folder,
     test_results,
 )
-from workflow.rules.resources import NODE, by_size, fixed
+from workflow.rules.resources import WHOLE_NODE, fixed_resources, resources_by_size
 
 try:
     STUDY = Configuration(config.get("folder", "config"))
     COHORT = config.get("cohort", "nine")
     FAILED = config.get("failed")  # failed.json of `workflow failed`: the study is made of the other cases
-    CASES = without_failed(STUDY.selected(COHORT, config.get("cases")), FAILED)
+    CASES = without_failed(STUDY.selected_cases(COHORT, config.get("cases")), FAILED)
     FAILED_ARMS = cases_of_failed_arms(FAILED)
 except UserError as error:
     raise WorkflowError(str(error)) from None
 
 INPUTS = Inputs(STUDY)
 HALF_MAXIMUM = HalfMaximum(INPUTS)
-HALF_MAXIMUM_CASES = [case for case in HALF_MAXIMUM.cases(CASES) if case not in FAILED_ARMS]
+HALF_MAXIMUM_CASES = [case for case in HALF_MAXIMUM.arm_cases(CASES) if case not in FAILED_ARMS]
 # Rules take a case's file as `ancient` and the sections they use as parameters: other sections may change freely.
 CASE_FILE = str(STUDY.case_file("{case}"))
 VCI = os.path.join(config.get("build", "build"), "vci")

@@ -136,7 +136,7 @@ def _contours(options):
         if not 0 <= healthy <= THICKEST_WALL_MM:
             remedy = f"a number of mm from 0 to {THICKEST_WALL_MM:g}, or auto"
             raise InputError("no thickness of a healthy wall", "--healthy-wall", options.healthy_wall, remedy)
-    laying = None
+    placement_settings = None
     for name in ("line", "landmark_point", "proximal_s", "rotation", "mirrored"):
         if getattr(options, name) and not options.centreline:
             option = "--" + name.replace("_", "-")
@@ -144,7 +144,7 @@ def _contours(options):
                 "there is no centreline to lie on", option, getattr(options, name), "give --centreline too"
             )
     if options.centreline:
-        laying = {
+        placement_settings = {
             "centreline": options.centreline,
             "units": options.centreline_units,
             "line": options.line,
@@ -154,7 +154,7 @@ def _contours(options):
             "mirrored": options.mirrored,
         }
     reading = {"z_from": options.z_from, "z_range_mm": options.z_range, "drop_frames": options.drop_frame}
-    run.run(files, options.out, options.units, healthy, reading, laying)
+    run.run(files, options.out, options.units, healthy, reading, placement_settings)
 
 
 @guarded
@@ -166,9 +166,9 @@ def main(arguments=None):
 
         plan.run(options.case, options.anatomy, options.devices, options.out)
     elif options.command == "carry-plan":
-        from .planning import carry
+        from .planning import carry_plan
 
-        carry.run(options.plan, options.before, options.after, options.out)
+        carry_plan.run(options.plan, options.before, options.after, options.out)
     elif options.command == "contours":
         _contours(options)
     elif options.command == "ct":
@@ -176,7 +176,7 @@ def main(arguments=None):
     elif options.command == "thin-contours":
         from .contours.reading import tables
 
-        tables.thin(options.table, options.out, options.points)
+        tables.write_thinned(options.table, options.out, options.points)
     elif options.command == "plan-picture":
         from .planning import plan_picture
 

@@ -11,28 +11,30 @@ from common.errors import InputError
 from . import picture_file
 
 COLOURS = {True: "tab:green", False: "tab:red"}  # of an end, of wall
-SIZE = (13, 8)  # inches
-OSTIUM = "tab:blue"
+SIZE_INCHES = (13, 8)  # inches
+OSTIUM_COLOUR = "tab:blue"
 MOST_TRIANGLES = 60_000  # of a larger surface only every n-th triangle is drawn
 
 
-def run(surface, candidates, out):
+def run(surface, candidates_file, out):
     """Writes the picture to the path `out` (.png or .svg).
 
-    surface: a .vtp. candidates: path of the file of `lumen check --ends`, or None to draw the surface alone.
+    surface: a .vtp. candidates_file: path of the file of `lumen check --ends`, or None to draw the surface alone.
     """
     picture_file.check_format(out)
-    points, triangles = vtp.arrays(vtp.read_triangles(surface, "give the surface of `lumen check --repaired`"))
-    corners, found, trees = points[triangles], *_listed(candidates)
-    figure, views = plt.subplots(1, 2, figsize=SIZE, layout="constrained")
-    for axes, turn in zip(views, (0, 90)):
-        _draw(axes, corners, found, trees, turn)
-    lines = [_line(k, one) for k, one in enumerate(found, 1)] + [_tree_line(tree) for tree in trees]
+    points, triangles = vtp.points_and_triangles(
+        vtp.read_triangles(surface, "give the surface of `lumen check --repaired`")
+    )
+    corners, candidates, trees = points[triangles], *_read_candidates(candidates_file)
+    figure, views = plt.subplots(1, 2, figsize=SIZE_INCHES, layout="constrained")
+    for axes, turn_deg in zip(views, (0, 90)):
+        _draw(axes, corners, candidates, trees, turn_deg)
+    lines = [_candidate_line(k, one) for k, one in enumerate(candidates, 1)] + [_tree_line(tree) for tree in trees]
     figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=7)
     picture_file.save(figure, out)
 
 
-def _listed(path):
+def _read_candidates(path):
     """(candidates for ends, coronary trees of a model with an aorta), two lists of dicts. path: as for run()."""
     if path is None:
         return [], []
@@ -43,14 +45,14 @@ def _listed(path):
     return document["candidates"], document.get("trees", [])
 
 
-def _draw(axes, corners, found, trees, turn):
-    """Draws one view: along the shortest principal axis, or with `turn` (90) along the middle one.
+def _draw(axes, corners, candidates, trees, turn_deg):
+    """Draws one view: along the shortest principal axis, or with `turn_deg` (90) along the middle one.
 
-    corners: (m, 3, 3) of the triangles, mm. found, trees: as _listed() returns them.
+    corners: (m, 3, 3) of the triangles, mm. candidates, trees: as _read_candidates() returns them.
     """
     middle = corners.reshape(-1, 3).mean(axis=0)
     first, second, third = np.linalg.svd(corners[:, 0][:: max(1, len(corners) // 5000)] - middle)[2]
-    if turn:
+    if turn_deg:
         second, third = third, -second
     drawn = corners[:: 1 + len(corners) // MOST_TRIANGLES]
     normal = np.cross(drawn[:, 1] - drawn[:, 0], drawn[:, 2] - drawn[:, 0])
@@ -59,20 +61,22 @@ def _draw(axes, corners, found, trees, turn):
     light = 0.45 + 0.5 * np.abs(normal @ (third + 0.5 * first) / np.hypot(1, 0.5))
     flat = np.stack([(drawn - middle) @ first, (drawn - middle) @ second], axis=-1)
     axes.add_collection(PolyCollection(flat[order], facecolors=[str(g) for g in light[order]], edgecolors="none"))
-    for number, one in enumerate(found, 1):
+    for number, one in enumerate(candidates, 1):
         x = np.array(one["centre_mm"]) - middle
         colour = COLOURS[one["is_end"]]
         axes.plot(x @ first, x @ second, "o", mfc="none", mec=colour, ms=12, mew=2)
         axes.annotate(str(number), (x @ first, x @ second), xytext=(8, 6), textcoords="offset points", color=colour)
     for tree in trees:
         x = np.array(tree["ostium_mm"]) - middle
-        axes.plot(x @ first, x @ second, "D", mfc="none", mec=OSTIUM, ms=12, mew=2)
-        axes.annotate(tree["name"], (x @ first, x @ second), xytext=(8, -14), textcoords="offset points", color=OSTIUM)
+        axes.plot(x @ first, x @ second, "D", mfc="none", mec=OSTIUM_COLOUR, ms=12, mew=2)
+        axes.annotate(
+            tree["name"], (x @ first, x @ second), xytext=(8, -14), textcoords="offset points", color=OSTIUM_COLOUR
+        )
     axes.set(aspect="equal", xlabel="mm", ylabel="mm")
     axes.autoscale_view()
 
 
-def _line(number, one):
+def _candidate_line(number, one):
     verdict = "end" if one["is_end"] else "wall"
     where = ", ".join(f"{x:.1f}" for x in one["centre_mm"])
     return f"{number}  {verdict}: {one['kind']} at ({where}), diameter {one['diameter_mm']:.2f} mm: {one['why']}"

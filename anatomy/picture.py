@@ -6,37 +6,45 @@ from matplotlib import pyplot as plt
 from matplotlib.collections import LineCollection
 
 from . import picture_file
-from .measured import read_sections, read_summary
+from .lumen_results import read_sections, read_summary
 
 POSITION = ("x_mm", "y_mm", "z_mm")
-WIDTH, PROFILE, LOWEST = 10, 4.5, 3.0  # inches: width, height of the plot of diameters, least height of the tree
+WIDTH_INCHES, PROFILE_INCHES, LEAST_TREE_INCHES = (
+    10,
+    4.5,
+    3.0,
+)  # inches: width, height of the plot of diameters, least height of the tree
 
 
 def run(anatomy_folder, out):
     """Writes the picture of a folder made by `lumen process` to the path `out` (.png or .svg)."""
     picture_file.check_format(out)
     summary, branches = read_summary(anatomy_folder), read_sections(anatomy_folder)
-    project = _plane(np.vstack([_column(rows, *POSITION) for rows in branches.values()]))
-    height = _height(project, branches)
+    project = _projection(np.vstack([_column(rows, *POSITION) for rows in branches.values()]))
+    height = _tree_height_inches(project, branches)
     figure, (tree, profile) = plt.subplots(
-        2, 1, figsize=(WIDTH, height + PROFILE), height_ratios=(height, PROFILE), layout="constrained"
+        2,
+        1,
+        figsize=(WIDTH_INCHES, height + PROFILE_INCHES),
+        height_ratios=(height, PROFILE_INCHES),
+        layout="constrained",
     )
     figure.get_layout_engine().set(h_pad=0.1)
     labels = _draw_tree(figure, tree, project, summary, branches)
     _draw_profile(profile, summary, branches)
-    _place(figure, tree, labels)
+    _place_labels(figure, tree, labels)
     picture_file.save(figure, out, dpi=130)
 
 
-def _height(project, branches):
+def _tree_height_inches(project, branches):
     """Height in inches, at least LOWEST, at which the tree fills its part of the picture."""
     points = project(np.vstack([_column(rows, *POSITION) for rows in branches.values()]))
     thick = max(row["equivalent_diameter_mm"] for rows in branches.values() for row in rows)
     width, height = np.ptp(points, axis=0) + thick
-    return max(LOWEST, float(0.85 * WIDTH * height / width))
+    return max(LEAST_TREE_INCHES, float(0.85 * WIDTH_INCHES * height / width))
 
 
-def _plane(points):
+def _projection(points):
     """Function that projects points on the plane of the two largest principal axes of `points` (n, 3).
 
     It returns (k, 2) for (k, 3). The axes' signs are chosen by a fixed rule, so that the view is always the same.
@@ -61,7 +69,7 @@ def _draw_tree(figure, axes, project, summary, branches):
         x = project(_column(rows, *POSITION))
         wall.append(drawn)
         labels.append((_label(axes, name, x[len(x) // 3], fontsize=11, weight="bold"), 45))
-    _draw_roots(axes, project, summary, branches)
+    _draw_take_offs(axes, project, summary, branches)
     for number, lesion in enumerate(summary["lesions"], 1):
         labels.append((_draw_lesion(axes, project, number, lesion, branches[lesion["branch"]]), -120))
     middle = project(np.mean([end["centre_mm"] for end in summary["ends"]], axis=0))[0]
@@ -76,7 +84,7 @@ def _draw_tree(figure, axes, project, summary, branches):
     return [(label, angle, np.vstack(wall)) for label, angle in labels]
 
 
-def _place(figure, axes, labels):
+def _place_labels(figure, axes, labels):
     """Moves labels so that they cover neither each other nor the vessel.
 
     labels: [(annotation, preferred angle in degrees, points of the vessel (k, 2))]. A label goes to the nearest free
@@ -84,9 +92,9 @@ def _place(figure, axes, labels):
     it covers least.
     """
     figure.draw_without_rendering()
-    renderer, taken = figure.canvas.get_renderer(), []
+    renderer, placed_boxes = figure.canvas.get_renderer(), []
     for label, preferred, wall in labels:
-        clear = axes.transData.transform(wall)
+        vessel_pixels = axes.transData.transform(wall)
         box = label.get_window_extent(renderer)
         centre = axes.transData.transform(label.xy)
         size, best = np.array([box.width, box.height]) * 0.5 + 2, None
@@ -98,13 +106,15 @@ def _place(figure, axes, labels):
                 reach = min(size / np.maximum(np.abs(direction), 1e-9))
                 middle = centre + (reach + distance * figure.dpi / 72) * direction
                 low, high = middle - size, middle + size
-                met = sum(bool((low < b).all() and (high > a).all()) for a, b in taken)
-                met = 1000 * met + int(((clear > low - 4) & (clear < high + 4)).all(axis=1).sum())
-                if best is None or met < best[0]:
-                    best = (met, middle)
+                overlap = sum(bool((low < b).all() and (high > a).all()) for a, b in placed_boxes)
+                overlap = 1000 * overlap + int(
+                    ((vessel_pixels > low - 4) & (vessel_pixels < high + 4)).all(axis=1).sum()
+                )
+                if best is None or overlap < best[0]:
+                    best = (overlap, middle)
             if best[0] == 0:
                 break
-        taken.append((best[1] - size, best[1] + size))
+        placed_boxes.append((best[1] - size, best[1] + size))
         label.set_position((best[1] - centre) * 72 / figure.dpi)
 
 
@@ -127,7 +137,7 @@ def _draw_branch(axes, project, rows, colours):
     return lines, np.vstack([left, 0.5 * (left + x), x, 0.5 * (x + right), right])
 
 
-def _draw_roots(axes, project, summary, branches):
+def _draw_take_offs(axes, project, summary, branches):
     """Draws a dotted line from each side branch's first section to the place on its parent's axis where it leaves."""
     for branch in summary.get("branches", ()):
         if branch["parent"] is None or not {branch["name"], branch["parent"]} <= branches.keys():
@@ -147,7 +157,7 @@ def _draw_lesion(axes, project, number, lesion, rows):
 
 
 def _label(axes, text, where, **style):
-    """Writes a text centred on a point `where` (2,) and returns the annotation. _place() moves it beside the point."""
+    """Writes a text centred on a point `where` (2,). Returns the annotation, which _place_labels() moves aside."""
     box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.75}
     style = {"textcoords": "offset points", "ha": "center", "va": "center", "zorder": 5, **style}
     return axes.annotate(text, where, xytext=(0, 0), bbox=box, annotation_clip=False, **style)

@@ -1,7 +1,8 @@
 """One interface to FEniCSx 0.5 (Debian 12) and 0.9 (Debian 13), and compiled forms.
 
 Elements, function spaces and their data have one name here, so that all other code is the same for both versions.
-`cell` is a cell's name, such as "tetrahedron" (`cell_of` a mesh). Vectors have `size` components; None means scalars.
+`cell` is a cell's name, such as "tetrahedron"; `cell_name` gives that of a mesh. Vectors have `size` components; None
+means scalars.
 """
 
 import pathlib
@@ -13,7 +14,7 @@ import ufl
 from dolfinx import fem, geometry, jit, plot
 
 # s: the longest that a program waits while another one compiles the form that both need. FEniCSx's default is 10 s.
-WAIT_S = 300
+COMPILE_WAIT_S = 300
 
 if hasattr(fem, "functionspace"):  # 0.9
     import basix.ufl
@@ -50,7 +51,7 @@ if hasattr(fem, "functionspace"):  # 0.9
         """The PETSc vector with the values of a fem.Function. It may not be used after the Function is freed."""
         return function.x.petsc_vec
 
-    def evaluated(expression, mesh, cells):
+    def evaluate(expression, mesh, cells):
         """Values of a fem.Expression at its own points in each of `cells` (indices). Each row is a cell."""
         return expression.eval(mesh, cells)
 
@@ -61,7 +62,7 @@ if hasattr(fem, "functionspace"):  # 0.9
         """
         return space.dofmap.list
 
-    def _near(mesh, points):
+    def _candidate_cells(mesh, points):
         tree = geometry.bb_tree(mesh, mesh.topology.dim)
         return geometry.compute_collisions_points(tree, points)
 
@@ -92,14 +93,14 @@ else:  # 0.5
     def petsc_vector(function):
         return function.vector
 
-    def evaluated(expression, mesh, cells):
+    def evaluate(expression, mesh, cells):
         return expression.eval(cells)
 
     def cell_dofs(space):
         lists = space.dofmap.list.array
         return lists.reshape(-1, len(space.dofmap.cell_dofs(0)))
 
-    def _near(mesh, points):
+    def _candidate_cells(mesh, points):
         tree = geometry.BoundingBoxTree(mesh, mesh.topology.dim)
         return geometry.compute_collisions(tree, points)
 
@@ -112,15 +113,15 @@ else:  # 0.5
         return ufl.VectorElement(family, cell, degree, dim=size, **more)
 
 
-def cell_of(mesh):
+def cell_name(mesh):
     """Name of a mesh's cells."""
     return mesh.ufl_cell().cellname()
 
 
-def cells_at(mesh, points):
+def containing_cells(mesh, points):
     """Index (n,) of the cell that contains each of points (n, 3), in the mesh's unit. Of several, the first found."""
-    found = geometry.compute_colliding_cells(mesh, _near(mesh, points), points)
-    return np.array([found.links(k)[0] for k in range(len(points))], np.int32)
+    colliding = geometry.compute_colliding_cells(mesh, _candidate_cells(mesh, points), points)
+    return np.array([colliding.links(k)[0] for k in range(len(points))], np.int32)
 
 
 def quadratic_domain(cell):
@@ -130,27 +131,27 @@ def quadratic_domain(cell):
 
 def form(expression, flags=()):
     """Compiled form of a UFL expression; flags: for the C compiler, in place of FEniCSx's own."""
-    options = {"timeout": WAIT_S}
+    options = {"timeout": COMPILE_WAIT_S}
     if flags:
         options["cffi_extra_compile_args"] = list(flags)
     return fem.form(expression, **{JIT_OPTIONS: options})
 
 
-def drop_unfinished():
+def remove_unfinished_cache():
     """Removes files that killed programs left in FEniCSx's compilation cache; returns the files' names.
 
     Such a source file tells every later program that another program is compiling the form. The later program would
-    wait, and then fail. Only files older than WAIT_S are removed; no form takes that long.
+    wait, and then fail. Only files older than COMPILE_WAIT_S are removed; no form takes that long.
     """
-    dropped = []
+    removed = []
     for source in pathlib.Path(jit_options()["cache_dir"]).expanduser().glob("libffcx_*.c"):
         try:
-            if not source.with_suffix(".c.cached").exists() and time.time() - source.stat().st_mtime > WAIT_S:
+            if not source.with_suffix(".c.cached").exists() and time.time() - source.stat().st_mtime > COMPILE_WAIT_S:
                 source.unlink()
-                dropped.append(source.name)
+                removed.append(source.name)
         except FileNotFoundError:  # another program was faster
             continue
-    return dropped
+    return removed
 
 
-drop_unfinished()  # before the first function space, which compiles too
+remove_unfinished_cache()  # before the first function space, which compiles too

@@ -9,7 +9,7 @@ namespace common {
 /// Starts the program again with the C library's functions (sin, exp, ...) for processors without fused multiply-add.
 /// glibc chooses these functions by the processor, so last digits differ, and a hard deployment may end differently.
 /// If the user has set hwcaps, or the program cannot be started again, nothing changes.
-inline void same_digits_on_every_processor(char** argv) {
+inline void restart_without_fma(char** argv) {
   const char* given = std::getenv("GLIBC_TUNABLES");
   std::string tunables = given ? given : "";
   if (tunables.find("glibc.cpu.hwcaps") != std::string::npos)

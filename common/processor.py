@@ -11,7 +11,7 @@ import sys
 
 # numpy's names of AVX-512's parts, each with a flag by which Linux tells that the processor has it. Without them numpy
 # takes its functions for AVX2. numpy warns of a name that the processor does not have.
-AVX512 = {
+AVX512_FLAGS = {
     "AVX512F": "avx512f",
     "AVX512CD": "avx512cd",
     "AVX512_SKX": "avx512dq",
@@ -19,10 +19,10 @@ AVX512 = {
     "AVX512_CNL": "avx512vbmi",
     "AVX512_ICL": "avx512_vbmi2",
 }
-KERNEL = "Haswell"  # of OpenBLAS: for AVX2 and fused multiply-add
+OPENBLAS_KERNEL = "Haswell"  # of OpenBLAS: for AVX2 and fused multiply-add
 
 
-def same_digits(environment, flags):
+def limit_to_avx2(environment, flags):
     """Sets the variables for numpy and OpenBLAS in `environment` (a dict), unless the user has set them.
 
     flags: the processor's features as Linux names them. Without AVX2 and fused multiply-add nothing is set, because
@@ -30,12 +30,12 @@ def same_digits(environment, flags):
     """
     if not {"avx2", "fma"} <= set(flags):
         return
-    environment.setdefault("OPENBLAS_CORETYPE", KERNEL)
-    if parts := [name for name, flag in AVX512.items() if flag in flags]:
-        environment.setdefault("NPY_DISABLE_CPU_FEATURES", ",".join(parts))
+    environment.setdefault("OPENBLAS_CORETYPE", OPENBLAS_KERNEL)
+    if disabled := [name for name, flag in AVX512_FLAGS.items() if flag in flags]:
+        environment.setdefault("NPY_DISABLE_CPU_FEATURES", ",".join(disabled))
 
 
-def features():
+def cpu_flags():
     """The features of this machine's processor; none where the system does not tell."""
     try:
         lines = pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
@@ -45,4 +45,4 @@ def features():
 
 
 if "numpy" not in sys.modules:  # a loaded library has chosen already
-    same_digits(os.environ, features())
+    limit_to_avx2(os.environ, cpu_flags())

@@ -44,7 +44,7 @@ def triangles(poly):
     return vtk_to_numpy(poly.GetPolys().GetConnectivityArray()).reshape(-1, 3).astype(np.int64)
 
 
-def arrays(poly):
+def points_and_triangles(poly):
     """(points (n, 3), triangles (m, 3)) of a vtkPolyData without other polygons."""
     return points(poly), triangles(poly)
 
@@ -68,13 +68,13 @@ def read_named_lines(path, remedy):
     return {names.GetValue(k): at[line] for k, line in enumerate(lines(poly))}
 
 
-def surface(points_mm, triangles_of):
+def surface(points_mm, corners):
     """vtkPolyData (double precision) of points (n, 3) and triangles (m, 3)."""
     poly, vtk_points, cells = vtk.vtkPolyData(), vtk.vtkPoints(), vtk.vtkCellArray()
     vtk_points.SetDataTypeToDouble()
     vtk_points.SetData(numpy_to_vtk(np.ascontiguousarray(points_mm, float), deep=True))
-    offsets = np.arange(0, 3 * len(triangles_of) + 1, 3, dtype=np.int64)
-    connectivity = np.ascontiguousarray(triangles_of, np.int64).ravel()
+    offsets = np.arange(0, 3 * len(corners) + 1, 3, dtype=np.int64)
+    connectivity = np.ascontiguousarray(corners, np.int64).ravel()
     cells.SetData(numpy_to_vtkIdTypeArray(offsets, deep=True), numpy_to_vtkIdTypeArray(connectivity, deep=True))
     poly.SetPoints(vtk_points)
     poly.SetPolys(cells)

@@ -17,7 +17,7 @@ vtkStandardNewMacro(VtpArrays);
 namespace {
 
 // levels of elements within elements. The deepest that VTK writes, a value in an array's information, is at level 8.
-constexpr unsigned int deepest = 16;
+constexpr unsigned int max_nesting = 16;
 
 bool is_ascii(vtkXMLDataElement* array) {
   const char* format = array->GetAttribute("format");
@@ -27,7 +27,7 @@ bool is_ascii(vtkXMLDataElement* array) {
 } // namespace
 
 void VtpArrays::StartElement(const char* name, const char** attributes) {
-  if (skipped_ > 0 || NumberOfOpenElements >= deepest) {
+  if (skipped_ > 0 || NumberOfOpenElements >= max_nesting) {
     too_deep_ = true;
     ++skipped_;
   } else {
@@ -46,9 +46,9 @@ void VtpArrays::parse(std::istream& stream, std::uint64_t file_size) {
   file_size_ = file_size;
   SetStream(&stream);
   if (!Parse() || !GetRootElement())
-    throw Damaged("no well-formed XML");
+    throw DamagedFile("no well-formed XML");
   if (too_deep_)
-    throw Damaged("elements more than " + std::to_string(deepest) + " deep in one another");
+    throw DamagedFile("elements more than " + std::to_string(max_nesting) + " deep in one another");
   set_compressor();
 }
 
@@ -61,15 +61,15 @@ void VtpArrays::set_compressor() {
   vtkSmartPointer<vtkDataCompressor> compressor;
   if (std::strcmp(name, "vtkZLibDataCompressor") == 0) {
     compressor = vtkSmartPointer<vtkZLibDataCompressor>::New();
-    most_per_byte_ = 1032;
+    max_expansion_ = 1032;
   } else if (std::strcmp(name, "vtkLZ4DataCompressor") == 0) {
     compressor = vtkSmartPointer<vtkLZ4DataCompressor>::New();
-    most_per_byte_ = 255;
+    max_expansion_ = 255;
   } else if (std::strcmp(name, "vtkLZMADataCompressor") == 0) {
     compressor = vtkSmartPointer<vtkLZMADataCompressor>::New();
-    most_per_byte_ = 8192;
+    max_expansion_ = 8192;
   } else {
-    throw Damaged(std::string("an unknown compressor, ") + name);
+    throw DamagedFile(std::string("an unknown compressor, ") + name);
   }
   SetCompressor(compressor);
 }
@@ -81,7 +81,7 @@ void VtpArrays::seek(vtkXMLDataElement* array) {
     long long offset = 0;
     array->GetScalarAttribute("offset", offset);
     if (offset < 0 || static_cast<std::uint64_t>(offset) > file_size_)
-      throw Damaged("data that begin outside the file");
+      throw DamagedFile("data that begin outside the file");
     DataStream = AppendedDataStream;
     SeekG(AppendedDataPosition + offset);
   } else {
@@ -95,7 +95,7 @@ void VtpArrays::seek(vtkXMLDataElement* array) {
 std::vector<std::uint64_t> VtpArrays::header(vtkXMLDataElement* array, std::uint64_t words) {
   const std::size_t width = HeaderType / 8;
   if (words > file_size_ / width)
-    throw Damaged("more blocks than the file has bytes");
+    throw DamagedFile("more blocks than the file has bytes");
   std::vector<unsigned char> bytes(words * width);
   seek(array);
   DataStream->StartReading();
@@ -117,12 +117,12 @@ std::vector<std::uint64_t> VtpArrays::header(vtkXMLDataElement* array, std::uint
 }
 
 /// Number of bytes of an array's uncompressed data, as the header before the data claims. 0 if there is no header.
-/// Throws Damaged if the file is too small for the claim.
+/// Throws DamagedFile if the file is too small for the claim.
 std::uint64_t VtpArrays::uncompressed_bytes(vtkXMLDataElement* array) {
   if (!Compressor) {
     const auto length = header(array, 1);
     if (!length.empty() && length[0] > file_size_)
-      throw Damaged("more data than the file has bytes");
+      throw DamagedFile("more data than the file has bytes");
     return length.empty() ? 0 : length[0];
   }
   const auto start = header(array, 3);
@@ -131,29 +131,29 @@ std::uint64_t VtpArrays::uncompressed_bytes(vtkXMLDataElement* array) {
   const std::uint64_t blocks = start[0], block = start[1], last = start[2];
   if (blocks == 0) {
     if (last != 0)
-      throw Damaged("a block of data that is not there");
+      throw DamagedFile("a block of data that is not there");
     return 0;
   }
   if (block == 0 || last > block)
-    throw Damaged("a block of data of no size, or a last one larger than the others");
+    throw DamagedFile("a block of data of no size, or a last one larger than the others");
   const auto sizes = header(array, blocks + 3);
   if (sizes.empty())
-    throw Damaged("fewer sizes of blocks than blocks");
+    throw DamagedFile("fewer sizes of blocks than blocks");
   std::uint64_t stored = 0;
   for (std::size_t k = 3; k < sizes.size(); ++k) {
     if (sizes[k] > file_size_)
-      throw Damaged("a block of data larger than the file");
+      throw DamagedFile("a block of data larger than the file");
     stored += sizes[k];
   }
-  const std::uint64_t most = std::min(stored, file_size_) * most_per_byte_, whole = last > 0 ? blocks - 1 : blocks;
+  const std::uint64_t most = std::min(stored, file_size_) * max_expansion_, whole = last > 0 ? blocks - 1 : blocks;
   if (last > most || (whole > 0 && block > (most - last) / whole))
-    throw Damaged("blocks of data that claim to hold more than they can");
+    throw DamagedFile("blocks of data that claim to hold more than they can");
   return whole * block + last;
 }
 
 std::vector<unsigned char> VtpArrays::read_ascii(vtkXMLDataElement* array, int type, std::uint64_t count) {
   if (count > file_size_)
-    throw Damaged("more values than the file has bytes");
+    throw DamagedFile("more values than the file has bytes");
   std::vector<unsigned char> values(count * GetWordTypeSize(type));
   Stream->clear();
   if (count > 0)
@@ -162,21 +162,21 @@ std::vector<unsigned char> VtpArrays::read_ascii(vtkXMLDataElement* array, int t
 }
 
 std::vector<unsigned char> VtpArrays::read(vtkXMLDataElement* array, int type, std::uint64_t count) {
-  const bool texts = type == VTK_STRING;
-  const int word = texts ? VTK_CHAR : type;
+  const bool is_text = type == VTK_STRING;
+  const int word = is_text ? VTK_CHAR : type;
   const std::uint64_t width = vtkAbstractArray::GetDataTypeSize(word);
   std::vector<unsigned char> values;
   if (is_ascii(array)) {
-    values = read_ascii(array, word, texts ? file_size_ : count);
+    values = read_ascii(array, word, is_text ? file_size_ : count);
   } else {
     const std::uint64_t bytes = uncompressed_bytes(array);
-    if (!texts && count > bytes / width)
-      throw Damaged("fewer data than the element claims");
-    values.resize(texts ? bytes : count * width);
+    if (!is_text && count > bytes / width)
+      throw DamagedFile("fewer data than the element claims");
+    values.resize(is_text ? bytes : count * width);
     seek(array);
     if (Compressor) {
       if (!values.empty() && ReadBinaryData(values.data(), 0, values.size() / width, word) != values.size() / width)
-        throw Damaged("a block of data that cannot be read");
+        throw DamagedFile("a block of data that cannot be read");
     } else {
       // VTK's decoder accepts data of which only the first byte is there, and leaves the other bytes uninitialised.
       std::vector<unsigned char> all(HeaderType / 8 + values.size());
@@ -184,16 +184,16 @@ std::vector<unsigned char> VtpArrays::read(vtkXMLDataElement* array, int type, s
       const std::size_t read = DataStream->Read(all.data(), all.size());
       DataStream->EndReading();
       if (!values.empty() && read < all.size())
-        throw Damaged("data that end before their length");
+        throw DamagedFile("data that end before their length");
       std::copy(all.end() - static_cast<std::ptrdiff_t>(values.size()), all.end(), values.begin());
       PerformByteSwap(values.data(), values.size() / width, width);
     }
   }
-  if (!texts && values.size() / width < count)
-    throw Damaged("fewer data than the element claims");
+  if (!is_text && values.size() / width < count)
+    throw DamagedFile("fewer data than the element claims");
   // VTK's reader stores all texts that it finds, even those past the end of the array.
-  if (texts && static_cast<std::uint64_t>(std::count(values.begin(), values.end(), 0)) != count)
-    throw Damaged("another number of texts than the element claims");
+  if (is_text && static_cast<std::uint64_t>(std::count(values.begin(), values.end(), 0)) != count)
+    throw DamagedFile("another number of texts than the element claims");
   return values;
 }
 

@@ -10,7 +10,7 @@
 namespace common {
 
 /// Says what is wrong with a file's data. check_vtp reports it as the value of an InputError.
-struct Damaged : std::runtime_error {
+struct DamagedFile : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
@@ -18,12 +18,12 @@ struct Damaged : std::runtime_error {
 class VtpArrays : public vtkXMLDataParser {
 public:
   static VtpArrays* New();
-  /// Parses the elements. Throws Damaged if they are not XML, or more than 16 levels of elements lie in one another:
-  /// VTK deletes nested elements by recursion.
+  /// Parses the elements. Throws DamagedFile if they are not XML, or more than 16 levels of elements lie in one
+  /// another: VTK deletes nested elements by recursion.
   void parse(std::istream& stream, std::uint64_t file_size);
   /// The first `count` values of an array, as the bytes that VTK's reader would store. An array of texts (VTK_STRING)
   /// is read whole.
-  /// Throws Damaged if the file holds fewer values, or if the header of binary data is malformed.
+  /// Throws DamagedFile if the file holds fewer values, or if the header of binary data is malformed.
   /// @param type as VTK numbers types, for example VTK_DOUBLE
   std::vector<unsigned char> read(vtkXMLDataElement* array, int type, std::uint64_t count);
 
@@ -38,7 +38,7 @@ private:
   std::vector<unsigned char> read_ascii(vtkXMLDataElement* array, int type, std::uint64_t count);
   void set_compressor();
 
-  std::uint64_t file_size_ = 0, most_per_byte_ = 1; // bytes; most bytes that one compressed byte can expand to
+  std::uint64_t file_size_ = 0, max_expansion_ = 1; // bytes; most bytes that one compressed byte can expand to
   int skipped_ = 0;                                 // number of open elements that lie too deep
   bool too_deep_ = false;
 };

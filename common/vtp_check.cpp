@@ -16,64 +16,64 @@ namespace {
 
 constexpr int most_components = 1000; // of an array. VTK's reader looks for a name of each component.
 
-bool is(vtkXMLDataElement* element, const char* name) {
+bool has_name(vtkXMLDataElement* element, const char* name) {
   return std::strcmp(element->GetName(), name) == 0;
 }
 
-template <class Visit> void each_nested(vtkXMLDataElement* parent, Visit&& visit) {
+template <class Visit> void for_each_nested(vtkXMLDataElement* parent, Visit&& visit) {
   for (int k = 0; k < parent->GetNumberOfNestedElements(); ++k)
     visit(parent->GetNestedElement(k));
 }
 
-/// The number in an attribute of an element, such as NumberOfPoints; 0 without the attribute. Throws Damaged if the
+/// The number in an attribute of an element, such as NumberOfPoints; 0 without the attribute. Throws DamagedFile if the
 /// text is no number or the number is negative.
-std::uint64_t count_of(vtkXMLDataElement* element, const char* attribute) {
+std::uint64_t count_attribute(vtkXMLDataElement* element, const char* attribute) {
   long long count = 0;
   if (element->GetAttribute(attribute) && !element->GetScalarAttribute(attribute, count))
-    throw Damaged(std::string(attribute) + " is no number");
+    throw DamagedFile(std::string(attribute) + " is no number");
   if (count < 0)
-    throw Damaged(std::string(attribute) + " is negative");
+    throw DamagedFile(std::string(attribute) + " is negative");
   return static_cast<std::uint64_t>(count);
 }
 
-struct Array {
+struct ArrayHeader {
   vtkXMLDataElement* element;
   std::string name;
   int type; ///< as VTK numbers types, for example VTK_DOUBLE
   std::uint64_t components;
 };
 
-Array array_of(vtkXMLDataElement* element) {
+ArrayHeader read_array_header(vtkXMLDataElement* element) {
   const char* name = element->GetAttribute("Name");
-  if (!(is(element, "DataArray") || is(element, "Array")))
-    throw Damaged(std::string("an element ") + element->GetName() + " where an array is expected");
-  Array array{element, name ? name : "", 0, 1};
+  if (!(has_name(element, "DataArray") || has_name(element, "Array")))
+    throw DamagedFile(std::string("an element ") + element->GetName() + " where an array is expected");
+  ArrayHeader array{element, name ? name : "", 0, 1};
   if (!element->GetWordTypeAttribute("type", array.type) || array.type == VTK_BIT)
-    throw Damaged("an array of no known type: " + array.name);
+    throw DamagedFile("an array of no known type: " + array.name);
   if (element->GetAttribute("NumberOfComponents"))
-    array.components = count_of(element, "NumberOfComponents");
+    array.components = count_attribute(element, "NumberOfComponents");
   if (array.components < 1 || array.components > most_components)
-    throw Damaged("an array of " + std::to_string(array.components) + " components: " + array.name);
+    throw DamagedFile("an array of " + std::to_string(array.components) + " components: " + array.name);
   return array;
 }
 
-/// The values of the first `tuples` tuples of an array, as bytes. Throws Damaged if the file holds fewer.
-std::vector<unsigned char> read(VtpArrays& file, const Array& a, std::uint64_t tuples) {
+/// The values of the first `tuples` tuples of an array, as bytes. Throws DamagedFile if the file holds fewer.
+std::vector<unsigned char> read(VtpArrays& file, const ArrayHeader& a, std::uint64_t tuples) {
   if (tuples > UINT64_MAX / most_components)
-    throw Damaged("more values than any file holds: " + a.name);
+    throw DamagedFile("more values than any file holds: " + a.name);
   try {
     return file.read(a.element, a.type, tuples * a.components);
-  } catch (const Damaged& e) {
-    throw Damaged(std::string(e.what()) + ": " + a.name);
+  } catch (const DamagedFile& e) {
+    throw DamagedFile(std::string(e.what()) + ": " + a.name);
   }
 }
 
 void check_attributes(VtpArrays& file, vtkXMLDataElement* group, std::uint64_t tuples) {
   std::set<std::string> names;
-  each_nested(group, [&](vtkXMLDataElement* element) {
-    const Array a = array_of(element);
+  for_each_nested(group, [&](vtkXMLDataElement* element) {
+    const ArrayHeader a = read_array_header(element);
     if (a.name.empty() || !names.insert(a.name).second)
-      throw Damaged("an array without a name of its own: " + a.name);
+      throw DamagedFile("an array without a name of its own: " + a.name);
     read(file, a, tuples);
   });
 }
@@ -82,8 +82,8 @@ void check_attributes(VtpArrays& file, vtkXMLDataElement* group, std::uint64_t t
 /// array `offsets` has the place in that list where each cell ends.
 void check_cells(VtpArrays& file, vtkXMLDataElement* group, std::uint64_t cells) {
   vtkXMLDataElement *ends = nullptr, *points = nullptr;
-  each_nested(group, [&](vtkXMLDataElement* element) {
-    const Array a = array_of(element);
+  for_each_nested(group, [&](vtkXMLDataElement* element) {
+    const ArrayHeader a = read_array_header(element);
     if (!ends && a.name == "offsets")
       ends = element;
     if (!points && a.name == "connectivity")
@@ -92,10 +92,10 @@ void check_cells(VtpArrays& file, vtkXMLDataElement* group, std::uint64_t cells)
   if (cells == 0)
     return;
   if (!ends || !points)
-    throw Damaged(std::string(group->GetName()) + " without offsets and connectivity");
-  const Array offsets = array_of(ends), connectivity = array_of(points);
+    throw DamagedFile(std::string(group->GetName()) + " without offsets and connectivity");
+  const ArrayHeader offsets = read_array_header(ends), connectivity = read_array_header(points);
   if (offsets.type == VTK_STRING || connectivity.type == VTK_STRING)
-    throw Damaged(std::string(group->GetName()) + " of texts");
+    throw DamagedFile(std::string(group->GetName()) + " of texts");
   std::vector<unsigned char> values = read(file, offsets, cells);
   const auto numbers = vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(offsets.type));
   numbers->SetVoidArray(values.data(), static_cast<vtkIdType>(cells), 1);
@@ -103,7 +103,7 @@ void check_cells(VtpArrays& file, vtkXMLDataElement* group, std::uint64_t cells)
   for (std::uint64_t k = 0; k < cells; ++k) {
     const double next = numbers->GetTuple1(static_cast<vtkIdType>(k));
     if (!(next >= end && next < 1e15))
-      throw Damaged("offsets that do not rise: " + std::string(group->GetName()));
+      throw DamagedFile("offsets that do not rise: " + std::string(group->GetName()));
     end = next;
   }
   read(file, connectivity, static_cast<std::uint64_t>(end));
@@ -111,56 +111,56 @@ void check_cells(VtpArrays& file, vtkXMLDataElement* group, std::uint64_t cells)
 
 void check_piece(VtpArrays& file, vtkXMLDataElement* piece) {
   static constexpr std::array<const char*, 4> groups{"Verts", "Lines", "Strips", "Polys"};
-  const std::uint64_t points = count_of(piece, "NumberOfPoints");
+  const std::uint64_t points = count_attribute(piece, "NumberOfPoints");
   std::array<std::uint64_t, 4> cells{};
-  std::uint64_t all = 0;
+  std::uint64_t all_cells = 0;
   for (std::size_t k = 0; k < groups.size(); ++k) {
-    cells[k] = count_of(piece, (std::string("NumberOf") + groups[k]).c_str());
-    all += cells[k];
+    cells[k] = count_attribute(piece, (std::string("NumberOf") + groups[k]).c_str());
+    all_cells += cells[k];
   }
-  each_nested(piece, [&](vtkXMLDataElement* group) {
-    if (is(group, "PointData"))
+  for_each_nested(piece, [&](vtkXMLDataElement* group) {
+    if (has_name(group, "PointData"))
       check_attributes(file, group, points);
-    else if (is(group, "CellData"))
-      check_attributes(file, group, all);
-    else if (is(group, "Points"))
-      each_nested(group, [&](vtkXMLDataElement* element) {
-        const Array a = array_of(element);
+    else if (has_name(group, "CellData"))
+      check_attributes(file, group, all_cells);
+    else if (has_name(group, "Points"))
+      for_each_nested(group, [&](vtkXMLDataElement* element) {
+        const ArrayHeader a = read_array_header(element);
         if (a.type == VTK_STRING || a.components != 3)
-          throw Damaged("points that are not of three numbers");
+          throw DamagedFile("points that are not of three numbers");
         read(file, a, points);
       });
     for (std::size_t k = 0; k < groups.size(); ++k)
-      if (is(group, groups[k]))
+      if (has_name(group, groups[k]))
         check_cells(file, group, cells[k]);
   });
 }
 
 void refuse_time_steps(vtkXMLDataElement* element) {
   if (element->GetAttribute("TimeStep") || element->GetAttribute("TimeValues"))
-    throw Damaged("several time steps in one file");
-  each_nested(element, refuse_time_steps);
+    throw DamagedFile("several time steps in one file");
+  for_each_nested(element, refuse_time_steps);
 }
 
 void check_elements(VtpArrays& file) {
   vtkXMLDataElement* root = file.GetRootElement();
   refuse_time_steps(root);
   int pieces = 0;
-  each_nested(root, [&](vtkXMLDataElement* data) {
-    if (is(data, "PolyData"))
-      each_nested(data, [&](vtkXMLDataElement* element) {
-        if (is(element, "Piece")) {
+  for_each_nested(root, [&](vtkXMLDataElement* data) {
+    if (has_name(data, "PolyData"))
+      for_each_nested(data, [&](vtkXMLDataElement* element) {
+        if (has_name(element, "Piece")) {
           ++pieces;
           check_piece(file, element);
         }
-        if (is(element, "FieldData"))
-          each_nested(element, [&](vtkXMLDataElement* array) {
-            read(file, array_of(array), count_of(array, "NumberOfTuples"));
+        if (has_name(element, "FieldData"))
+          for_each_nested(element, [&](vtkXMLDataElement* array) {
+            read(file, read_array_header(array), count_attribute(array, "NumberOfTuples"));
           });
       });
   });
   if (pieces == 0)
-    throw Damaged("no piece of polydata");
+    throw DamagedFile("no piece of polydata");
 }
 
 } // namespace
@@ -171,7 +171,7 @@ void check_vtp(const std::filesystem::path& file, const std::string& what) {
   try {
     arrays->parse(stream, std::filesystem::file_size(file));
     check_elements(*arrays);
-  } catch (const Damaged& e) {
+  } catch (const DamagedFile& e) {
     throw InputError("the " + what + " cannot be read", file.string(), e.what(),
                      "it is damaged, or of a form that is not read: write it anew");
   }

@@ -9,19 +9,23 @@ from common.errors import InputError, guarded
 def _parser():
     parser = argparse.ArgumentParser(prog="data_synthetic", description="Virtual patients and their post-PCI truth.")
     commands = parser.add_subparsers(dest="command", required=True)
-    make = commands.add_parser("generate", help="virtual patient from a case of kind synthetic")
-    make.add_argument("case", type=pathlib.Path, help="case file, config/cases/<case>.yaml")
-    make.add_argument("--out", type=pathlib.Path, required=True, help="folder for lumen.vtp and truth.json")
+    generate = commands.add_parser("generate", help="virtual patient from a case of kind synthetic")
+    generate.add_argument("case", type=pathlib.Path, help="case file, config/cases/<case>.yaml")
+    generate.add_argument("--out", type=pathlib.Path, required=True, help="folder for lumen.vtp and truth.json")
     draw = commands.add_parser("draw", help="cases of a random cohort from stated distributions")
     draw.add_argument("--count", type=int, required=True, help="number of patients")
     draw.add_argument("--seed", type=int, required=True, help="patient k of a seed is the same whatever the count")
     draw.add_argument("--out", type=pathlib.Path, required=True, help="folder for patient001.yaml, ...")
-    fe = commands.add_parser("reference", help="independent finite-element post-PCI lumen")
-    fe.add_argument("--scene", type=pathlib.Path, required=True, help="scene.json: devices and procedure")
-    fe.add_argument("--anatomy", type=pathlib.Path, required=True, help="folder with the pre-PCI lumen.vtp")
-    fe.add_argument("--truth", type=pathlib.Path, required=True, help="truth.json of the virtual patient")
-    fe.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `reference`")
-    fe.add_argument("--out", type=pathlib.Path, required=True, help="folder for lumen.vtp, lumen.stl, reference.json")
+    reference = commands.add_parser("reference", help="independent finite-element post-PCI lumen")
+    reference.add_argument("--scene", type=pathlib.Path, required=True, help="scene.json: devices and procedure")
+    reference.add_argument("--anatomy", type=pathlib.Path, required=True, help="folder with the pre-PCI lumen.vtp")
+    reference.add_argument("--truth", type=pathlib.Path, required=True, help="truth.json of the virtual patient")
+    reference.add_argument(
+        "--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `reference`"
+    )
+    reference.add_argument(
+        "--out", type=pathlib.Path, required=True, help="folder for lumen.vtp, lumen.stl, reference.json"
+    )
     solid = commands.add_parser(
         "reference-3d", help="how far the slices are from a solid in three dimensions (minutes)"
     )
@@ -31,20 +35,24 @@ def _parser():
     mesh_help = "elements round x through the wall x length in mm, coarse to fine"
     solid.add_argument("--meshes", nargs="+", default=["8x3x2", "12x4x1.2"], metavar="NxNxMM", help=mesh_help)
     solid.add_argument("--out", type=pathlib.Path, required=True, help="folder for slices_vs_3d.json")
-    vary = commands.add_parser(
+    sensitivity = commands.add_parser(
         "reference-sensitivity", help="how much the reference depends on its constants (a minute)"
     )
-    vary.add_argument("--scene", type=pathlib.Path, required=True, help="scene.json: devices and procedure")
-    vary.add_argument("--truth", type=pathlib.Path, required=True, help="truth.json of the virtual patient")
-    vary.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `reference`")
-    vary.add_argument("--out", type=pathlib.Path, required=True, help="folder for sensitivity.csv")
-    other = commands.add_parser("reference-ccx", help="slices against CalculiX, where that is installed")
-    other.add_argument("--scene", type=pathlib.Path, help="plan.json: a slice of this case instead (with --truth)")
-    other.add_argument("--truth", type=pathlib.Path, help="truth.json of the virtual patient")
-    other.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `reference`")
-    other.add_argument("--s", type=float, metavar="MM", help="arc length of that slice; else the tightest stented one")
-    other.add_argument("--program", default="ccx", help="CalculiX (Debian package calculix-ccx)")
-    other.add_argument(
+    sensitivity.add_argument("--scene", type=pathlib.Path, required=True, help="scene.json: devices and procedure")
+    sensitivity.add_argument("--truth", type=pathlib.Path, required=True, help="truth.json of the virtual patient")
+    sensitivity.add_argument(
+        "--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `reference`"
+    )
+    sensitivity.add_argument("--out", type=pathlib.Path, required=True, help="folder for sensitivity.csv")
+    calculix = commands.add_parser("reference-ccx", help="slices against CalculiX, where that is installed")
+    calculix.add_argument("--scene", type=pathlib.Path, help="plan.json: a slice of this case instead (with --truth)")
+    calculix.add_argument("--truth", type=pathlib.Path, help="truth.json of the virtual patient")
+    calculix.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `reference`")
+    calculix.add_argument(
+        "--s", type=float, metavar="MM", help="arc length of that slice; else the tightest stented one"
+    )
+    calculix.add_argument("--program", default="ccx", help="CalculiX (Debian package calculix-ccx)")
+    calculix.add_argument(
         "--out", type=pathlib.Path, required=True, help="folder for slices_vs_calculix.json, case_vs_calculix.json"
     )
     scan = commands.add_parser("phantom", help="CT volume of a lumen")
@@ -85,15 +93,15 @@ def main(arguments=None):
     elif options.command == "reference-sensitivity":
         from .reference.checks import sensitivity
 
-        sensitivity.study(options.scene, options.truth, options.out, options.settings)
+        sensitivity.write_sensitivity(options.scene, options.truth, options.out, options.settings)
     elif options.command == "reference-ccx":
         from .reference.checks import against_calculix, calculix_case
 
         if (options.scene is None) != (options.truth is None):
             raise InputError("one of two is missing", "--scene, --truth", "given alone", "give both, or neither")
         if options.scene:
-            place = (options.scene, options.truth, options.out, options.program)
-            calculix_case.compare(*place, options.s, options.settings)
+            inputs = (options.scene, options.truth, options.out, options.program)
+            calculix_case.compare(*inputs, options.s, options.settings)
         else:
             against_calculix.compare(options.out, options.program)
     elif options.command == "phantom":

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-CHUNK = 200_000  # pairs tested at once; bounds the memory
+PAIRS_AT_ONCE = 200_000  # pairs tested at once; bounds the memory
 
 
 def crossing_pairs(points, triangles):
@@ -15,31 +15,31 @@ def crossing_pairs(points, triangles):
     """
     corners = points[triangles]
     middle = corners.mean(axis=1)
-    reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
+    radius = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
     found = [np.empty((0, 2), int)]
     # One search with a radius that fits 99 % of the triangles. Each larger triangle searches by itself, so that a few
     # long triangles do not enlarge the search of all others.
-    tree, limit = cKDTree(middle), np.sort(reach)
-    typical = limit[int(0.99 * (len(limit) - 1))]
+    tree, sorted_radii = cKDTree(middle), np.sort(radius)
+    typical = sorted_radii[int(0.99 * (len(sorted_radii) - 1))]
     pairs = [tree.query_pairs(2 * typical, output_type="ndarray")]
-    for large in np.flatnonzero(reach > typical):
-        near = np.array(tree.query_ball_point(middle[large], reach[large] + limit[-1]))
+    for large in np.flatnonzero(radius > typical):
+        near = np.array(tree.query_ball_point(middle[large], radius[large] + sorted_radii[-1]))
         pairs.append(np.sort(np.stack([np.full(len(near), large), near], axis=1), axis=1))
     pairs = np.unique(np.concatenate(pairs), axis=0)
     pairs = pairs[pairs[:, 0] != pairs[:, 1]]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    for start in range(0, len(pairs), CHUNK):
-        i, j = pairs[start : start + CHUNK].T
+    for start in range(0, len(pairs), PAIRS_AT_ONCE):
+        i, j = pairs[start : start + PAIRS_AT_ONCE].T
         near = np.all((low[i] <= high[j]) & (low[j] <= high[i]), axis=1)
         i, j = i[near], j[near]
-        apart = ~np.any(triangles[i][:, :, None] == triangles[j][:, None, :], axis=(1, 2))
-        i, j = i[apart], j[apart]
-        cross = _pierces(corners[i], corners[j]) | _pierces(corners[j], corners[i])
+        disjoint = ~np.any(triangles[i][:, :, None] == triangles[j][:, None, :], axis=(1, 2))
+        i, j = i[disjoint], j[disjoint]
+        cross = _edge_pierces(corners[i], corners[j]) | _edge_pierces(corners[j], corners[i])
         found.append(np.stack([i[cross], j[cross]], axis=1))
     return np.concatenate(found)
 
 
-def _pierces(a, b):
+def _edge_pierces(a, b):
     """(n,) bool: whether an edge of triangle a passes through the inside of triangle b. a, b (n, 3, 3): corners."""
     hit = np.zeros(len(a), bool)
     u, v = b[:, 1] - b[:, 0], b[:, 2] - b[:, 0]

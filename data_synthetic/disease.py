@@ -4,33 +4,33 @@ import numpy as np
 
 from common.plaque_types import FIBROUS, LIPID
 
-TYPE_OF = {"fibrous": FIBROUS, "lipid": LIPID}
+PLAQUE_TYPES = {"fibrous": FIBROUS, "lipid": LIPID}
 
 
-def extent(lesion):
+def lesion_extent(lesion):
     """Arc lengths (mm) at which a lesion starts and ends."""
     half = 0.5 * lesion["length_mm"]
     return lesion["centre_s_mm"] - half, lesion["centre_s_mm"] + half
 
 
-def _cosine(x):
+def _cosine_bump(x):
     return np.where(np.abs(x) < 1, 0.5 * (1 + np.cos(np.pi * np.clip(x, -1, 1))), 0.0)
 
 
-def weight(lesion, s_mm, rng_phase=0.0):
+def stenosis_profile(lesion, s_mm, phase_rad=0.0):
     """Share of the lesion's stenosis at arc lengths s_mm: about 1 where a lesion is tightest, 0 outside it.
 
-    It is continuously differentiable. rng_phase: phase (rad) of the undulation of a diffuse lesion.
+    It is continuously differentiable. phase_rad: phase (rad) of the undulation of a diffuse lesion.
     """
     x = (np.asarray(s_mm, float) - lesion["centre_s_mm"]) / (0.5 * lesion["length_mm"])
     if lesion["shape"] == "focal":
-        return _cosine(x)
+        return _cosine_bump(x)
     if lesion["shape"] == "tandem":
-        return _cosine((x + 0.55) / 0.45) + 0.9 * _cosine((x - 0.55) / 0.45)
+        return _cosine_bump((x + 0.55) / 0.45) + 0.9 * _cosine_bump((x - 0.55) / 0.45)
     edge = np.clip((1 - np.abs(x)) / 0.35, 0, 1)
     plateau = edge * edge * (3 - 2 * edge)
     waves = max(2, int(round(lesion["length_mm"] / 7)))
-    return plateau * (0.86 + 0.14 * np.sin(np.pi * waves * x + rng_phase))
+    return plateau * (0.86 + 0.14 * np.sin(np.pi * waves * x + phase_rad))
 
 
 def calcium_share(lesion, s_mm, theta_rad):

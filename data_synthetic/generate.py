@@ -13,8 +13,8 @@ from common.plaque_types import CALCIFIED, NONE
 
 from . import crossings, patient, tree, truth
 
-SPACING_MM = 0.2  # of the grid on which the surface is first found
-LARGEST_ERROR_MM = 0.001  # root mean square distance of the surface's wall points from the exact wall
+GRID_SPACING_MM = 0.2  # of the grid on which the surface is first found
+LARGEST_RMS_ERROR_MM = 0.001  # root mean square distance of the surface's wall points from the exact wall
 
 
 def plaque_at(branches, points_mm):
@@ -28,7 +28,7 @@ def plaque_at(branches, points_mm):
         _, normal, binormal = branch.axis.frame(s)
         theta = np.arctan2(np.sum(offset * binormal, axis=1), np.sum(offset * normal, axis=1))
         t = branch.plaque_thickness(s, theta)
-        k = np.where(branch.calcium_share(s, theta) > 0.5, CALCIFIED, branch.base_type(s))
+        k = np.where(branch.calcium_share(s, theta) > 0.5, CALCIFIED, branch.uncalcified_type(s))
         nearer = distance < best
         best = np.where(nearer, distance, best)
         thickness, kind = np.where(nearer, t, thickness), np.where(nearer, k, kind)
@@ -36,21 +36,21 @@ def plaque_at(branches, points_mm):
     return thickness, np.where(thickness > 0, kind, NONE)
 
 
-def check_throats(branches, spacing_mm, where):
+def check_narrowest_radius(branches, spacing_mm, where):
     """Raises InputError for a lumen so narrow that the grid may miss it: no grid point may lie inside."""
-    least = 0.5 * 3**0.5 * spacing_mm  # half the diagonal of a cell
+    least_radius_mm = 0.5 * 3**0.5 * spacing_mm  # half the diagonal of a cell
     for branch in branches:
-        at = int(np.argmin(branch.radius_mm))
-        if branch.radius_mm[at] < least:
+        narrowest = int(np.argmin(branch.radius_mm))
+        if branch.radius_mm[narrowest] < least_radius_mm:
             raise InputError(
                 "throat too narrow for the surface's grid",
                 f"{where}.lesions",
-                f"radius {branch.radius_mm[at]:.3f} mm at {branch.axis.s_mm[at]:.1f} mm of {branch.name}",
-                f"at least {least:.3f} mm: a milder lesion",
+                f"radius {branch.radius_mm[narrowest]:.3f} mm at {branch.axis.s_mm[narrowest]:.1f} mm of {branch.name}",
+                f"at least {least_radius_mm:.3f} mm: a milder lesion",
             )
 
 
-def run(case_path, out, spacing_mm=SPACING_MM):
+def run(case_path, out, spacing_mm=GRID_SPACING_MM):
     """Writes `out`/lumen.vtp and `out`/truth.json for the case at `case_path`; returns the document of truth.json.
 
     Raises InputError for a patient that cannot be built. Raises ComputationError if the surface is not exact or crosses
@@ -59,12 +59,12 @@ def run(case_path, out, spacing_mm=SPACING_MM):
     case = patient.load(case_path)
     print("growing the tree", file=sys.stderr)
     branches = tree.grow(case["vessel"], f"{case_path}: vessel")
-    check_throats(branches, spacing_mm, f"{case_path}: vessel")
+    check_narrowest_radius(branches, spacing_mm, f"{case_path}: vessel")
     field = LumenField(branches)
     print("meshing the lumen", file=sys.stderr)
     points, triangles, on_cap = surface.build(field, spacing_mm)
     rms = float(np.sqrt(np.mean(field.value(points[~on_cap]) ** 2)))
-    if rms > LARGEST_ERROR_MM:
+    if rms > LARGEST_RMS_ERROR_MM:
         raise ComputationError(
             "the surface misses the implicit lumen", "lumen surface", f"{rms:.2g} mm rms", "a finer generation spacing"
         )

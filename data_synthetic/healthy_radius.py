@@ -10,7 +10,7 @@ import numpy as np
 
 from common.implicit.field import BLEND_MM
 
-EASE_MM = 2.0  # half the length over which the main radius falls at a bifurcation
+TRANSITION_HALF_MM = 2.0  # half the length over which the main radius falls at a bifurcation
 
 
 @dataclass(frozen=True)
@@ -31,16 +31,16 @@ class Bifurcation:
     side_mm: float
 
 
-def ordered_sides(vessel):
+def ordered_side_branches(vessel):
     """Side branches in the order in which they leave the main vessel: side1, side2, ..."""
     return sorted(vessel["side_branches"], key=lambda side: side["s_mm"])
 
 
 def bifurcations(vessel):
-    """[Bifurcation] of a vessel (defaults filled in), in the order of ordered_sides."""
+    """[Bifurcation] of a vessel (defaults filled in), in the order of ordered_side_branches."""
     found, exponent = [], vessel["murray_exponent"]
-    for side in ordered_sides(vessel):
-        start = side["s_mm"] - EASE_MM
+    for side in ordered_side_branches(vessel):
+        start = side["s_mm"] - TRANSITION_HALF_MM
         left = np.prod([(b.after_mm / b.before_mm) if b.before_mm else 0.0 for b in found])
         before = float(0.5 * vessel["main"]["ostial_diameter_mm"] * left * _main_taper(vessel, found, start))
         radius, angle = 0.5 * side["diameter_mm"], np.radians(side["angle_deg"])
@@ -49,7 +49,7 @@ def bifurcations(vessel):
         # branch from which it is clear of that wall all round.
         rim = before / np.tan(angle) + radius / np.sin(angle) + BLEND_MM
         level = before / np.sin(angle) + radius / abs(np.tan(angle)) + BLEND_MM
-        end = side["s_mm"] + max(EASE_MM, rim)
+        end = side["s_mm"] + max(TRANSITION_HALF_MM, rim)
         found.append(Bifurcation(side["s_mm"], start, end, level, before, after, radius))
     return found
 
@@ -59,9 +59,9 @@ def main_healthy_radius(vessel, s_mm):
     s_mm, found, exponent = np.asarray(s_mm, float), bifurcations(vessel), vessel["murray_exponent"]
     share = np.ones(s_mm.shape)
     for b in found:
-        ease = smooth_step((s_mm - b.start_mm) / (2 * EASE_MM))
-        lost = 1 - (b.after_mm / b.before_mm) ** exponent if b.before_mm else 0.0
-        share = share * (1 - ease * lost)
+        transition = smooth_step((s_mm - b.start_mm) / (2 * TRANSITION_HALF_MM))
+        lost_share = 1 - (b.after_mm / b.before_mm) ** exponent if b.before_mm else 0.0
+        share = share * (1 - transition * lost_share)
     return 0.5 * vessel["main"]["ostial_diameter_mm"] * share ** (1 / exponent) * _main_taper(vessel, found, s_mm)
 
 
@@ -80,11 +80,11 @@ def _taper(branch, length_mm):
     return (1 - 0.01 * branch["taper_percent_per_cm"]) ** (length_mm / 10)
 
 
-def _main_taper(vessel, passed, s_mm):
-    """Factor (0 ... 1) by which taper reduces the main radius at s_mm. There is no taper in the ostia of `passed`."""
-    level, reached = 0.0, -np.inf
-    for b in passed:
+def _main_taper(vessel, bifurcations, s_mm):
+    """Factor (0 ... 1) by which taper reduces the main radius at s_mm. There is none in the ostia of `bifurcations`."""
+    untapered_mm, reached = 0.0, -np.inf
+    for b in bifurcations:
         start = max(b.start_mm, reached)  # ostia may overlap
-        level = level + np.clip(s_mm - start, 0, max(b.end_mm - start, 0))
+        untapered_mm = untapered_mm + np.clip(s_mm - start, 0, max(b.end_mm - start, 0))
         reached = max(reached, b.end_mm)
-    return _taper(vessel["main"], s_mm - level)
+    return _taper(vessel["main"], s_mm - untapered_mm)

@@ -104,12 +104,12 @@ def _check_overlap(others, lesion, key, refuse):
 
     The lumen's axis would jump where one lesion takes over from the other.
     """
-    start, end = disease.extent(lesion)
+    start, end = disease.lesion_extent(lesion)
     for number, other in enumerate(others, start=1):
-        low, high = disease.extent(other)
+        low, high = disease.lesion_extent(other)
         if other["branch"] != lesion["branch"] or end <= low or high <= start:
             continue
-        if _shift(other) != _shift(lesion):
+        if _lumen_shift(other) != _lumen_shift(lesion):
             both = f"from {start:.1f} to {end:.1f} mm; lesions[{number}] {low:.1f} to {high:.1f} mm"
             refuse(
                 "lesion overlaps another that shifts the lumen differently",
@@ -119,7 +119,7 @@ def _check_overlap(others, lesion, key, refuse):
             )
 
 
-def _shift(lesion):
+def _lumen_shift(lesion):
     """(eccentricity, direction in degrees) of a lesion. The direction of a concentric lesion is set to 0."""
     return lesion["eccentricity"], lesion["direction_deg"] % 360 if lesion["eccentricity"] else 0
 
@@ -131,9 +131,9 @@ def _check_lesion(vessel, lesion, key, refuse):
     if lesion["branch"] == "main":
         length, margin = vessel["main"]["length_mm"], vessel["main"]["ostial_diameter_mm"]
     else:
-        side = healthy_radius.ordered_sides(vessel)[int(lesion["branch"][4:]) - 1]
+        side = healthy_radius.ordered_side_branches(vessel)[int(lesion["branch"][4:]) - 1]
         length, margin = side["length_mm"], side["diameter_mm"]
-    start, end = disease.extent(lesion)
+    start, end = disease.lesion_extent(lesion)
     if start < margin or end > length - margin:
         refuse(
             "lesion beyond the vessel",

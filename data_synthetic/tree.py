@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from common.errors import InputError
-from common.implicit.curves import SAMPLE_MM, Curve, integrate
+from common.implicit.curves import SAMPLE_MM, Curve, curve_from_curvatures
 from common.plaque_types import FIBROUS
 
 from . import healthy_radius, disease
@@ -14,16 +14,16 @@ from . import healthy_radius, disease
 HEART_CURVATURE = {"lad": 1 / 45, "lcx": 1 / 32, "rca": 1 / 26}  # 1/mm: an artery's bend over the heart
 # Widths of two Gaussian kernels that turn noise into random curvature, so that bends alternate over about 15 mm. The
 # wide kernel, of the same integral, is subtracted from the narrow one to keep a bend from looping.
-NARROW_MM, WIDE_MM = 3.0, 8.0
-ATTEMPTS = 60  # most draws of a tree for one seed
+NARROW_KERNEL_MM, WIDE_KERNEL_MM = 3.0, 8.0
+MOST_DRAWS = 60  # most draws of a tree for one seed
 
 
 @dataclass
 class Branch:
     """One branch of a tree. All arrays (n,) or (n, 3) are samples along `axis`, which is the lumen's axis.
 
-    radius_mm: radius of the lumen; healthy_mm: that of the healthy lumen; shift_mm: vector from the healthy vessel's
-    axis to the lumen's. parent: name of the branch from which it leaves, "" for the main vessel.
+    radius_mm: radius of the lumen; healthy_radius_mm: that of the healthy lumen; shift_mm: vector from the healthy
+    vessel's axis to the lumen's. parent: name of the branch from which it leaves, "" for the main vessel.
     """
 
     name: str
@@ -31,7 +31,7 @@ class Branch:
     s_on_parent_mm: float
     axis: Curve
     radius_mm: np.ndarray
-    healthy_mm: np.ndarray
+    healthy_radius_mm: np.ndarray
     shift_mm: np.ndarray
     lesions: list = field(default_factory=list)
 
@@ -39,9 +39,9 @@ class Branch:
         """Lumen radius (mm) at arc lengths s_mm, constant beyond the ends."""
         return _interpolate(s_mm, self.axis.s_mm, self.radius_mm)
 
-    def healthy(self, s_mm):
+    def healthy_radius(self, s_mm):
         """Healthy radius (mm) at arc lengths s_mm."""
-        return _interpolate(s_mm, self.axis.s_mm, self.healthy_mm)
+        return _interpolate(s_mm, self.axis.s_mm, self.healthy_radius_mm)
 
     def shift(self, s_mm):
         """Vectors (..., 3) from the healthy vessel's axis to the lumen's, mm."""
@@ -54,7 +54,7 @@ class Branch:
         ray = np.cos(theta_rad)[..., None] * normal + np.sin(theta_rad)[..., None] * binormal
         shift = self.shift(s_mm)
         across = np.sum(shift * ray, axis=-1)
-        healthy = self.healthy(s_mm)
+        healthy = self.healthy_radius(s_mm)
         reach = -across + np.sqrt(np.maximum(healthy**2 - np.sum(shift**2, axis=-1) + across**2, 0))
         return np.maximum(reach - self.radius(s_mm), 0)
 
@@ -63,12 +63,12 @@ class Branch:
         shares = [disease.calcium_share(lesion, s_mm, theta_rad) for lesion in self.lesions]
         return np.max(shares, axis=0) if shares else np.zeros(np.broadcast(s_mm, theta_rad).shape)
 
-    def base_type(self, s_mm):
+    def uncalcified_type(self, s_mm):
         """Plaque type (int) outside calcium: the nearest lesion's type, or fibrous in a branch without a lesion."""
         if not self.lesions:
             return np.full(np.shape(s_mm), FIBROUS)
         distance = [np.abs(s_mm - le["centre_s_mm"]) / le["length_mm"] for le in self.lesions]
-        types = np.array([disease.TYPE_OF[le["plaque"]] for le in self.lesions])
+        types = np.array([disease.PLAQUE_TYPES[le["plaque"]] for le in self.lesions])
         return types[np.argmin(distance, axis=0)]
 
 
@@ -97,8 +97,8 @@ def _random_axis(vessel, rng):
     main = vessel["main"]
     count = int(round(main["length_mm"] / SAMPLE_MM)) + 1
     s = np.linspace(0, main["length_mm"], count)
-    offset = np.subtract.outer(s, np.arange(-3 * WIDE_MM, main["length_mm"] + 3 * WIDE_MM, 2.0))
-    kernel = _gaussian(offset, NARROW_MM) - _gaussian(offset, WIDE_MM)
+    offset = np.subtract.outer(s, np.arange(-3 * WIDE_KERNEL_MM, main["length_mm"] + 3 * WIDE_KERNEL_MM, 2.0))
+    kernel = _gaussian(offset, NARROW_KERNEL_MM) - _gaussian(offset, WIDE_KERNEL_MM)
     noise = kernel @ rng.standard_normal((offset.shape[1], 2))
     noise /= np.sqrt(np.mean(noise**2))
     wanted, bound = main["mean_curvature_per_mm"], main["max_curvature_per_mm"]
@@ -117,7 +117,7 @@ def _random_axis(vessel, rng):
         else:
             high = middle
     k = curvatures(0.5 * (low + high))
-    return Curve(integrate(k[:, 0], k[:, 1], s[1]))
+    return Curve(curve_from_curvatures(k[:, 0], k[:, 1], s[1]))
 
 
 def _side_axis(main, side, main_radius):
@@ -137,72 +137,76 @@ def _side_axis(main, side, main_radius):
     return Curve(main.point(side["s_mm"]) + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)]))
 
 
-def _diseased(name, parent, s_parent, axis, healthy, lesions, rng):
+def _branch_with_lesions(name, parent, s_parent, axis, healthy, lesions, rng):
     """Branch with its lesions: lumen radius, and axis shifted for eccentric plaque."""
     s = axis.s_mm
     phases = rng.uniform(0, 2 * np.pi, len(lesions))
-    loss, push = np.zeros_like(s), np.zeros((len(s), 3))
+    loss, relative_shift = np.zeros_like(s), np.zeros((len(s), 3))
     for lesion, phase in zip(lesions, phases):
-        w = disease.weight(lesion, s, phase)
-        part = 0.01 * lesion["diameter_stenosis_percent"] * w / max(w.max(), 1e-12)
+        profile = disease.stenosis_profile(lesion, s, phase)
+        lesion_loss = 0.01 * lesion["diameter_stenosis_percent"] * profile / max(profile.max(), 1e-12)
         direction = np.radians(lesion["direction_deg"])
         ray = np.cos(direction) * axis.normals + np.sin(direction) * axis.binormals
         # Of overlapping lesions the deeper one counts; at this sampling the change is smooth enough.
-        deeper = part > loss
-        loss = np.maximum(loss, part)
-        push = np.where(deeper[:, None], (lesion["eccentricity"] * part)[:, None] * ray, push)
-    shift = push * healthy[:, None]
+        deeper = lesion_loss > loss
+        loss = np.maximum(loss, lesion_loss)
+        relative_shift = np.where(
+            deeper[:, None], (lesion["eccentricity"] * lesion_loss)[:, None] * ray, relative_shift
+        )
+    shift = relative_shift * healthy[:, None]
     shifted = Curve(axis.points_mm + shift) if np.any(shift) else axis
     # Arc lengths, along the lumen's axis, of the points that were sampled along the healthy axis.
     s_new = shifted.nearest(axis.points_mm + shift)
     moved = [dict(le, centre_s_mm=float(np.interp(le["centre_s_mm"], s, s_new))) for le in lesions]
 
-    def at(values):
+    def resampled(values):
         return np.interp(shifted.s_mm, s_new, values)
 
-    radius = at(healthy * (1 - loss))
-    shift_new = np.stack([at(shift[:, k]) for k in range(3)], axis=1)
-    return Branch(name, parent, s_parent, shifted, radius, at(healthy), shift_new, moved)
+    radius = resampled(healthy * (1 - loss))
+    shift_new = np.stack([resampled(shift[:, k]) for k in range(3)], axis=1)
+    return Branch(name, parent, s_parent, shifted, radius, resampled(healthy), shift_new, moved)
 
 
-SHARP, ITSELF, OTHERS = "sharp", "itself", "others"
+SHARP_BEND, SELF_CONTACT, BRANCH_CONTACT = "sharp", "itself", "others"
 REMEDY = {
-    SHARP: "less eccentricity, a longer or milder lesion, or less curvature",
-    ITSELF: "another seed, less curvature, or a shorter vessel",
-    OTHERS: "another seed, other azimuths, less curvature, or shorter side branches",
+    SHARP_BEND: "less eccentricity, a longer or milder lesion, or less curvature",
+    SELF_CONTACT: "another seed, less curvature, or a shorter vessel",
+    BRANCH_CONTACT: "another seed, other azimuths, less curvature, or shorter side branches",
 }
 
 
-def _conflict(branches):
-    """(reason, branch) of the first conflict: SHARP, ITSELF or OTHERS, and the branch's name. None if there is none.
+def _first_conflict(branches):
+    """(reason, name of the branch) of the first conflict; None if there is none.
 
-    SHARP: a bend whose radius is less than 1.25 lumen radii. ITSELF, OTHERS: a branch comes near itself or, away from
-    the roots, near another branch.
+    The reason is one of three. SHARP_BEND: a bend whose radius is less than 1.25 lumen radii. SELF_CONTACT,
+    BRANCH_CONTACT: a branch comes near itself or, away from the roots, near another branch.
     """
     for branch in branches:
         axis, radius = branch.axis, branch.radius_mm
         if np.any(axis.curvature(axis.s_mm) * radius > 0.8):
-            return SHARP, branch.name
+            return SHARP_BEND, branch.name
         coarse = slice(None, None, 5)
-        p, s, r = axis.points_mm[coarse], axis.s_mm[coarse], branch.healthy_mm[coarse]
-        apart = np.linalg.norm(p[:, None] - p[None], axis=2)
-        if np.any((np.abs(np.subtract.outer(s, s)) > 8 * r.max()) & (apart < np.add.outer(r, r) + 2.0)):
-            return ITSELF, branch.name
-        if any(_near(branch, other) for other in branches if other is not branch and other.name >= branch.name):
-            return OTHERS, branch.name
+        p, s, r = axis.points_mm[coarse], axis.s_mm[coarse], branch.healthy_radius_mm[coarse]
+        distance = np.linalg.norm(p[:, None] - p[None], axis=2)
+        if np.any((np.abs(np.subtract.outer(s, s)) > 8 * r.max()) & (distance < np.add.outer(r, r) + 2.0)):
+            return SELF_CONTACT, branch.name
+        if any(
+            _walls_too_close(branch, other) for other in branches if other is not branch and other.name >= branch.name
+        ):
+            return BRANCH_CONTACT, branch.name
     return None
 
 
-def _near(branch, other):
+def _walls_too_close(branch, other):
     """Whether the walls of `other` and `branch` come within 1 mm, away from the root of `other` or a common root."""
     coarse = slice(None, None, 5)
-    p, r = branch.axis.points_mm[coarse], branch.healthy_mm[coarse]
-    q, t, ro = other.axis.points_mm[coarse], other.axis.s_mm[coarse], other.healthy_mm[coarse]
+    p, r = branch.axis.points_mm[coarse], branch.healthy_radius_mm[coarse]
+    q, t, ro = other.axis.points_mm[coarse], other.axis.s_mm[coarse], other.healthy_radius_mm[coarse]
     gap = np.linalg.norm(p[:, None] - q[None], axis=2) - np.add.outer(r, ro)
     root = other.parent == branch.name
     # A side branch may be near its parent only at its root.
-    free = t > (branch.healthy(other.s_on_parent_mm) / np.sin(np.radians(30)) + 2.5 * ro[0] if root else 0)
-    if not root and abs(other.s_on_parent_mm - branch.s_on_parent_mm) < 4 * branch.healthy_mm.max():
+    free = t > (branch.healthy_radius(other.s_on_parent_mm) / np.sin(np.radians(30)) + 2.5 * ro[0] if root else 0)
+    if not root and abs(other.s_on_parent_mm - branch.s_on_parent_mm) < 4 * branch.healthy_radius_mm.max():
         free = t > 6
     return bool(np.any(gap[:, free] < 1.0))
 
@@ -211,34 +215,37 @@ def grow(vessel, where="vessel"):
     """Branches [main, side1, ...] of a checked vessel (dict, defaults filled in).
 
     The axes are those of the lumen; the inlet is at the origin. Random axes are drawn from the seed until no branches
-    conflict. Raises InputError if all ATTEMPTS fail.
+    conflict. Raises InputError if all MOST_DRAWS fail.
     """
     rng = np.random.default_rng(vessel["seed"])
     conflicts = collections.Counter()
-    for _ in range(ATTEMPTS):
+    for _ in range(MOST_DRAWS):
         axis = _random_axis(vessel, rng)
         healthy = healthy_radius.main_healthy_radius(vessel, axis.s_mm)
         lesions = {"main": []}
         for lesion in vessel["lesions"]:
             lesions.setdefault(lesion["branch"], []).append(lesion)
-        main = _diseased("main", "", 0.0, axis, healthy, lesions["main"], rng)
+        main = _branch_with_lesions("main", "", 0.0, axis, healthy, lesions["main"], rng)
         branches = [main]
-        sides = zip(healthy_radius.ordered_sides(vessel), healthy_radius.bifurcations(vessel))
+        sides = zip(healthy_radius.ordered_side_branches(vessel), healthy_radius.bifurcations(vessel))
         for index, (side, fork) in enumerate(sides):
             name = f"side{index + 1}"
             side_axis = _side_axis(axis, side, float(healthy_radius.main_healthy_radius(vessel, side["s_mm"])))
             radius = healthy_radius.side_healthy_radius(side, fork, side_axis.s_mm)
             s_main = float(main.axis.nearest(axis.point(np.array([side["s_mm"]])))[0])
-            branches.append(_diseased(name, "main", s_main, side_axis, radius, lesions.get(name, []), rng))
-        conflict = _conflict(branches)
+            branches.append(_branch_with_lesions(name, "main", s_main, side_axis, radius, lesions.get(name, []), rng))
+        conflict = _first_conflict(branches)
         if conflict is None:
             return branches
         conflicts[conflict] += 1
-    (what, name), count = conflicts.most_common(1)[0]
-    says = {SHARP: f"{name} bends more sharply than its lumen is wide", ITSELF: f"{name} meets itself"}
+    (reason, name), count = conflicts.most_common(1)[0]
+    descriptions = {
+        SHARP_BEND: f"{name} bends more sharply than its lumen is wide",
+        SELF_CONTACT: f"{name} meets itself",
+    }
     raise InputError(
-        f"no tree clear of itself in {ATTEMPTS} draws",
+        f"no tree clear of itself in {MOST_DRAWS} draws",
         f"{where}.seed",
-        f"{vessel['seed']}: in {count} draws {says.get(what, f'{name} meets another branch')}",
-        REMEDY[what],
+        f"{vessel['seed']}: in {count} draws {descriptions.get(reason, f'{name} meets another branch')}",
+        REMEDY[reason],
     )

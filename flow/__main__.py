@@ -14,11 +14,11 @@ from flow import command_files
 from flow import settings as settings_module
 
 
-def _patient(arguments, case):
+def _patient_values(arguments, case):
     """Section `patient` of the case file, or the patient's values of the command line. Raises InputError."""
     given = {key: getattr(arguments, key) for key in ("lvm_g", "sbp_mmhg", "dbp_mmhg")}
     if arguments.case:
-        twice = [settings_module.option(key) for key, value in given.items() if value is not None]
+        twice = [settings_module.option_name(key) for key, value in given.items() if value is not None]
         if twice:
             raise InputError("patient values given twice", "command line", twice, "give --case, or the values")
         return case["patient"]
@@ -38,11 +38,11 @@ def boundary_command(arguments):
 
     settings = settings_module.from_arguments(arguments)
     case = config.load_case(arguments.case) if arguments.case else {}
-    patient, real = _patient(arguments, case), case.get("kind") == "surface"
+    patient, real = _patient_values(arguments, case), case.get("kind") == "surface"
     anatomy = lumen_summary.read(arguments.anatomy, "ends")
     tree = centreline.read(arguments.centreline or pathlib.Path(arguments.anatomy).with_name("centreline.vtp"))
     lumen_summary.check_lengths(anatomy, tree, arguments.anatomy)
-    document = boundary.make(anatomy, tree, patient, settings, case.get("measured"), ranged=real)
+    document = boundary.make(anatomy, tree, patient, settings, case.get("measured"), with_range=real)
     if patient.get("hyperaemic_inflow_ml_per_min") is not None:
         sections = network_model.read_sections(pathlib.Path(arguments.anatomy).with_name("sections.csv"))
 
@@ -50,8 +50,10 @@ def boundary_command(arguments):
             return network_model.Network(anatomy, sections, values, settings.expansion_loss)
 
         if real:
-            document["plausible_flows"] = flow_range.around_inflow(document, network_at, settings.split_exponent)
-        document = flow_range.with_inflow(document, network_at)
+            document["plausible_flows"] = flow_range.plausible_around_inflow(
+                document, network_at, settings.split_exponent
+            )
+        document = flow_range.fit_resistances(document, network_at)
     write_json(arguments.out, document)
 
 
@@ -61,21 +63,27 @@ def mesh_command(arguments):
     from flow.meshing import mesh, provenance
 
     settings = settings_module.from_arguments(arguments)
-    coarse = command_files.with_rings(arguments.coarse, settings.coarse_rings)
+    coarse = command_files.pair_with_rings(arguments.coarse, settings.coarse_rings)
     if coarse:
         settings_module.check_meshes(vars(settings), "flow settings")
     lumen, tree = surface.read(arguments.lumen), centreline.read(arguments.centreline)
     centreline.check_wall(tree, lumen.points[np.unique(lumen.triangles[lumen.region == surface.WALL])], arguments.lumen)
     centreline.check_ends(tree, lumen, arguments.centreline)
-    used = {name: value for name, value in vars(settings).items() if "mesh" in settings_module.commands_of(name)}
-    report = {"schema": "vci-mesh-1", "settings": used, "made_from_sha256": provenance.fingerprint(lumen, tree)}
-    make = mesh.sequence if settings.model == "3d" else mesh.alone
-    meshes = make([*coarse, (arguments.out, settings.rings)], lumen, tree, settings, report)
-    mesh.write_all(meshes, report, command_files.mesh_report(arguments))
+    mesh_settings = {
+        name: value for name, value in vars(settings).items() if "mesh" in settings_module.commands_of(name)
+    }
+    report = {
+        "schema": "vci-mesh-1",
+        "settings": mesh_settings,
+        "made_from_sha256": provenance.fingerprint(lumen, tree),
+    }
+    build_meshes = mesh.build_sequence if settings.model == "3d" else mesh.build_coarsest
+    meshes = build_meshes([*coarse, (arguments.out, settings.rings)], lumen, tree, settings, report)
+    mesh.write_all(meshes, report, command_files.mesh_report_path(arguments))
 
 
-def _case(arguments):
-    """reduced.extended.Extended of the files that `flow solve` reads. Raises InputError."""
+def _read_case(arguments):
+    """reduced.extended.ExtendedLumen of the files that `flow solve` reads. Raises InputError."""
     settings = settings_module.from_arguments(arguments)
     from flow.geometry import centreline
     from flow.inputs import boundary, lumen_summary
@@ -83,20 +91,20 @@ def _case(arguments):
     from flow.physics import ffr
     from flow.reduced import extended, network as network_model
 
-    anatomy_file, sections_file = command_files.beside_centreline(arguments)
+    anatomy_file, sections_file = command_files.anatomy_and_sections(arguments)
     document = json_reader.read(arguments.boundary, "boundary.json").data
-    anatomy = lumen_summary.read(command_files.there(anatomy_file, "--anatomy"), "branches")
+    anatomy = lumen_summary.read(command_files.require_file(anatomy_file, "--anatomy"), "branches")
     boundary.check(document, arguments.boundary, [branch["name"] for branch in anatomy["branches"]])
-    sections = network_model.read_sections(command_files.there(sections_file, "--sections"))
-    *coarse, fine = command_files.meshes(arguments)
+    sections = network_model.read_sections(command_files.require_file(sections_file, "--sections"))
+    *coarse, fine = command_files.mesh_paths(arguments)
     tree = centreline.read(arguments.centreline)
     lumen_summary.check_lengths(anatomy, tree, anatomy_file)
     network_model.check_sections(sections, tree, sections_file)
     ffr.check_probes(document["probes"], tree)
     report = arguments.mesh_report or pathlib.Path(fine).with_suffix(".json")
-    read = extended.read if arguments.mesh_report else extended.beside
-    extensions, warnings, made_from = read(report, fine, coarse)
-    case = extended.Extended(extensions, tree, anatomy, sections, document, settings, warnings)
+    read_report = extended.read_report if arguments.mesh_report else extended.read_report_if_any
+    extensions, warnings, made_from = read_report(report, fine, coarse)
+    case = extended.ExtendedLumen(extensions, tree, anatomy, sections, document, settings, warnings)
     if arguments.lumen:
         provenance.check(arguments.lumen, tree, made_from, report)
     return case
@@ -106,36 +114,36 @@ def solve_command(arguments):
     """Steady flow and FFR on a mesh."""
     from flow import solve
 
-    case = _case(arguments)
-    start = _start(arguments, case) if arguments.start and case.settings.model == "3d" else None
+    case = _read_case(arguments)
+    start = _read_start(arguments, case) if arguments.start and case.settings.model == "3d" else None
     made_from = {"mesh_sha256": sha256(arguments.mesh), "boundary_sha256": sha256(arguments.boundary)}
-    answer = solve.run(command_files.meshes(arguments), case, arguments.out, start, made_from)
-    print(solve.in_words(answer))
+    answer = solve.run(command_files.mesh_paths(arguments), case, arguments.out, start, made_from)
+    print(solve.summary_line(answer))
 
 
-def _start(arguments, case):
-    """inputs.solution.Start of the state that `flow solve` starts from. Raises InputError."""
+def _read_start(arguments, case):
+    """inputs.solution.StartState of the state that `flow solve` starts from. Raises InputError."""
     from flow.geometry import centreline
     from flow.inputs import solution
 
-    folder, line = arguments.start
-    return solution.read(folder, case.original, centreline.read(line))
+    folder, centreline_file = arguments.start
+    return solution.read(folder, case.original_tree, centreline.read(centreline_file))
 
 
 def audit_command(arguments):
     """Whether the steady flow is the mean of the flow in time (in lcx01 the march took half as long as the solve)."""
     from flow import adaptive, audit
 
-    case = _case(arguments)
+    case = _read_case(arguments)
     if case.settings.model != "3d":
         raise InputError("only the 3D flow can be audited", "setting model", case.settings.model, "leave it at 3d")
-    search = adaptive.Search(case.document, case.settings, case.original, case.predictor())
-    solved = search.run(command_files.meshes(arguments))
-    answer, table = audit.of_answer(solved, case)
+    search = adaptive.MeshSearch(case.document, case.settings, case.original_tree, case.predictor())
+    solved = search.run(command_files.mesh_paths(arguments))
+    answer, table = audit.audit_answer(solved, case)
     answer["meshes"] = search.meshes
     write_table(pathlib.Path(arguments.out).with_suffix(".csv"), table)
     write_json(arguments.out, answer)
-    print(audit.in_words(answer))
+    print(audit.summary_line(answer))
 
 
 def rank_command(arguments):
@@ -159,7 +167,7 @@ def rank_command(arguments):
     print(table.to_string(index=False))
 
 
-def _add_solved(command):
+def _add_solve_inputs(command):
     """Adds the arguments for the files that `flow solve` and `flow audit` read to the parser of a command."""
     command.add_argument("mesh", help="mesh.msh")
     command.add_argument(
@@ -176,10 +184,10 @@ def _add_solved(command):
     command.add_argument("--sections", help="sections.csv of the same lumen (default: beside the centreline)")
 
 
-def parser():
+def make_parser():
     """The argument parser of all commands."""
-    top = argparse.ArgumentParser(prog="python3 -m flow", description=__doc__.splitlines()[0])
-    commands = top.add_subparsers(dest="command", required=True)
+    parser = argparse.ArgumentParser(prog="python3 -m flow", description=__doc__.splitlines()[0])
+    commands = parser.add_subparsers(dest="command", required=True)
 
     boundary = commands.add_parser("boundary", help=boundary_command.__doc__)
     boundary.add_argument("--anatomy", required=True, help="anatomy.json before the intervention")
@@ -200,7 +208,7 @@ def parser():
     mesh.set_defaults(run=mesh_command)
 
     solve = commands.add_parser("solve", help=solve_command.__doc__)
-    _add_solved(solve)
+    _add_solve_inputs(solve)
     solve.add_argument("--out", required=True, help="folder for solution.vtu, ffr.json, pullback.csv")
     solve.add_argument(
         "--start",
@@ -211,7 +219,7 @@ def parser():
     solve.set_defaults(run=solve_command)
 
     audit = commands.add_parser("audit", help=audit_command.__doc__)
-    _add_solved(audit)
+    _add_solve_inputs(audit)
     audit.add_argument("--out", required=True, help="audit.json; the series in time is written beside it, audit.csv")
     audit.set_defaults(run=audit_command)
 
@@ -225,26 +233,26 @@ def parser():
     rank.set_defaults(run=rank_command)
     for name, command in commands.choices.items():
         settings_module.add_options(command, name)
-    return top
+    return parser
 
 
 @guarded
 def main(argv=None):
     """Runs one command."""
-    top = parser()
-    arguments, left = top.parse_known_args(argv)
-    command_files.clear(arguments)
-    if left:
-        settings_module.check_left(arguments.command, left)
-        top.error(f"unrecognized arguments: {' '.join(left)}")
+    parser = make_parser()
+    arguments, unknown = parser.parse_known_args(argv)
+    command_files.remove_old_output(arguments)
+    if unknown:
+        settings_module.check_unknown_arguments(arguments.command, unknown)
+        parser.error(f"unrecognized arguments: {' '.join(unknown)}")
     arguments.run(arguments)
 
 
-def _ended(number, _):
+def _exit_on_signal(number, _):
     """Handler of SIGTERM: ends the program as an error would, so that half-made files are removed."""
     sys.exit(128 + number)
 
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGTERM, _ended)
+    signal.signal(signal.SIGTERM, _exit_on_signal)
     main()

@@ -16,128 +16,136 @@ import numpy as np
 from common.errors import ComputationError
 from flow.errors import error_estimate
 from flow.physics import ffr
-from flow.solvers.solved_mesh import BEGUN, CONVERGED, NEAR, WHOLE, solve_mesh
+from flow.solvers.solved_mesh import CONVERGED, EFFORT_EARLY_STOP, EFFORT_FULL, EFFORT_GUESS_ONLY, solve_mesh
 
 
-def within(estimate, settings):
+def tolerance_met(estimate, settings):
     """Whether the estimated error at `distal` is known and at most setting ffr_tolerance.
 
-    estimate: of errors.error_estimate.of, or None.
+    estimate: of errors.error_estimate.estimate_error, or None.
     """
     return estimate is not None and estimate["ffr"] <= settings.ffr_tolerance
 
 
-def missed(estimate, settings, names=()):
+def tolerance_warnings(estimate, settings, names=()):
     """Warnings, printed too, on each probe whose error is not known to be within ffr_tolerance.
 
     The mesh is chosen for `distal` alone, so other probes may have larger errors. names: of all probes, `distal` first.
     """
-    of, above = "the error of FFR", f"above ffr_tolerance = {settings.ffr_tolerance:g}"
+    quantity, above = "the error of FFR", f"above ffr_tolerance = {settings.ffr_tolerance:g}"
     found = []
     if estimate is None:
-        found.append(f"{of} is not known: it may be {above}")
-    elif not within(estimate, settings):
-        found.append(f"{of} is {estimate['ffr']:.3g}, {above}")
+        found.append(f"{quantity} is not known: it may be {above}")
+    elif not tolerance_met(estimate, settings):
+        found.append(f"{quantity} is {estimate['ffr']:.3g}, {above}")
     for name, error in list(zip(names, estimate["probes"]))[1:] if estimate else ():
         if error > settings.ffr_tolerance:
-            found.append(f"{of} at the probe {name} is {error:.3g}, {above}")
-    for said in found:
-        print(said, file=sys.stderr, flush=True)
+            found.append(f"{quantity} at the probe {name} is {error:.3g}, {above}")
+    for warning in found:
+        print(warning, file=sys.stderr, flush=True)
     return found
 
 
-class Search:
+class MeshSearch:
     """The search for a flow in one lumen with an error of FFR of at most `settings.ffr_tolerance`.
 
-    document: of boundary.json; tree: geometry.centreline.Tree without extensions; predicted: reduced.coupled.Predictor.
-    Results: meshes: one record for each mesh that was solved; spent: factorizations so far; started: whether the start
-    from another state led to a flow, None without such a start.
+    document: of boundary.json; tree: geometry.centreline.Tree without extensions; predictor: reduced.coupled.Predictor.
+    Results: meshes: one record for each mesh that was solved; factorizations: made so far; start_record: whether the
+    start from another state led to a flow, None without such a start.
     """
 
-    def __init__(self, document, settings, tree, predicted):
-        self.document, self.settings, self.tree, self.predicted = document, settings, tree, predicted
-        self.meshes, self.spent, self.started = [], 0, None
+    def __init__(self, document, settings, tree, predictor):
+        self.document, self.settings, self.tree, self.predictor = document, settings, tree, predictor
+        self.meshes, self.factorizations, self.start_record = [], 0, None
 
     def run(self, paths, start=None):
-        """The Solved that answers: on the coarsest mesh with an error within the tolerance, else the best one.
+        """The SolvedMesh that answers: on the coarsest mesh with an error within the tolerance, else the best one.
 
-        paths: mesh files, the coarsest first. start: inputs.solution.Start, the flow of another state of the vessel.
-        The mesh with the same name as the one that answered there is solved first, from this flow. If that finds no
-        flow, all meshes are solved in the usual way. Raises ComputationError where no mesh has a flow.
+        paths: mesh files, the coarsest first. start: inputs.solution.StartState, the flow of another state of the
+        vessel. The mesh with the same name as the one that answered there is solved first, from this flow. If that
+        finds no flow, all meshes are solved in the usual way. Raises ComputationError where no mesh has a flow.
         """
-        answer, left = self.from_state(paths, start), paths
+        answer, remaining = self.solve_from_state(paths, start), paths
         if answer:
-            if within(answer.estimate, self.settings):
+            if tolerance_met(answer.estimate, self.settings):
                 return answer
             answer.problem.release()
-            left = paths[paths.index(answer.path) + 1 :]
-        for path in left:
-            effort = BEGUN if path in paths[:-2] else NEAR if answer and path == paths[-1] else WHOLE
+            remaining = paths[paths.index(answer.path) + 1 :]
+        for path in remaining:
+            effort = (
+                EFFORT_EARLY_STOP
+                if path in paths[:-2]
+                else EFFORT_GUESS_ONLY
+                if answer and path == paths[-1]
+                else EFFORT_FULL
+            )
             try:
-                solved = self.on_mesh(path, answer, effort)
+                solved = self.solve_on_mesh(path, answer, effort)
             except ComputationError as error:
-                made = getattr(error, "factorizations", 0)
-                self.spent += made
-                self.meshes.append({"mesh": pathlib.Path(path).name, "status": "no flow", "factorizations": made})
-                if not answer and (path == paths[-1] or self.spent >= self.settings.max_newton_iterations):
+                factorizations = getattr(error, "factorizations", 0)
+                self.factorizations += factorizations
+                self.meshes.append(
+                    {"mesh": pathlib.Path(path).name, "status": "no flow", "factorizations": factorizations}
+                )
+                if not answer and (path == paths[-1] or self.factorizations >= self.settings.max_newton_iterations):
                     raise
                 print(f"{path}: no flow, another mesh answers:\n{error}", file=sys.stderr, flush=True)
                 continue
             if answer:
-                answer, other = (solved, answer) if _better(solved, answer) else (answer, solved)
+                answer, other = (solved, answer) if _finer_is_better(solved, answer) else (answer, solved)
                 other.destroy()
             else:
                 answer = solved
-            if within(answer.estimate, self.settings):
+            if tolerance_met(answer.estimate, self.settings):
                 break
             answer.problem.release()  # the factors of two meshes need not fit into memory at once
         print(f"{answer.path} answers", file=sys.stderr, flush=True)
         return answer
 
-    def from_state(self, paths, start):
+    def solve_from_state(self, paths, start):
         """Solves from the flow of another state, without artificial viscosity, on the mesh that answered in that state.
 
-        Returns Solved, or None. It is None if no state is given, if its answer has an artificial viscosity, or if no
-        mesh in `paths` has the name of the mesh that answered there. It is also None if Newton's method does not
+        Returns SolvedMesh, or None. It is None if no state is given, if its answer has an artificial viscosity, or if
+        no mesh in `paths` has the name of the mesh that answered there. It is also None if Newton's method does not
         converge from its flow.
         """
         names = [pathlib.Path(path).name for path in paths]
-        if start is None or start.artificial > 0 or start.mesh not in names:
+        if start is None or start.artificial_viscosity > 0 or start.mesh_name not in names:
             return None
-        path = paths[names.index(start.mesh)]
+        path = paths[names.index(start.mesh_name)]
         try:
-            solved = self.on_mesh(path, None, WHOLE, start)
+            solved = self.solve_on_mesh(path, None, EFFORT_FULL, start)
         except ComputationError as error:
-            made = getattr(error, "factorizations", 0)
-            self.spent += made
-            self.started = {"mesh": start.mesh, "led_to_flow": False, "factorizations": made}
+            factorizations = getattr(error, "factorizations", 0)
+            self.factorizations += factorizations
+            self.start_record = {"mesh": start.mesh_name, "led_to_flow": False, "factorizations": factorizations}
             print(f"{path}: no flow from that of the other state", file=sys.stderr, flush=True)
             return None
-        made = solved.problem.solver.factorizations
-        self.started = {"mesh": start.mesh, "led_to_flow": True, "factorizations": made}
+        factorizations = solved.problem.solver.factorizations
+        self.start_record = {"mesh": start.mesh_name, "led_to_flow": True, "factorizations": factorizations}
         return solved
 
-    def on_mesh(self, path, before, effort, start=None):
-        """Solves on the mesh `path` and estimates the error. Returns Solved, raises ComputationError.
+    def solve_on_mesh(self, path, coarser, effort, start=None):
+        """Solves on the mesh `path` and estimates the error. Returns SolvedMesh, raises ComputationError.
 
-        The solve starts from `start`, or from the flow `before` (Solved on another mesh), which also serves the
-        estimate. effort: BEGUN, WHOLE or NEAR of solvers.solved_mesh.
+        The solve starts from `start`, or from the flow `coarser` (SolvedMesh on another mesh), which also serves the
+        estimate. effort: EFFORT_EARLY_STOP, EFFORT_FULL or EFFORT_GUESS_ONLY of solvers.solved_mesh.
         """
-        begin, case = time.process_time(), (self.document, self.settings, self.tree, self.predicted)
-        solved = solve_mesh(path, *case, before, self.spent, effort, start)
-        solved.estimate = error_estimate.of(solved, self.document, self.tree, self.at_probes, before)
-        self.spent += solved.problem.solver.factorizations
+        begin, arguments = time.process_time(), (self.document, self.settings, self.tree, self.predictor)
+        solved = solve_mesh(path, *arguments, coarser, self.factorizations, effort, start)
+        solved.estimate = error_estimate.estimate_error(solved, self.document, self.tree, self.ffr_at_probes, coarser)
+        self.factorizations += solved.problem.solver.factorizations
         solved.cpu_seconds = time.process_time() - begin
-        self.meshes.append(self.record(solved))
+        self.meshes.append(self.mesh_record(solved))
         return solved
 
-    def at_probes(self, sampler):
+    def ffr_at_probes(self, sampler):
         """[FFR] at the probes, `distal` first."""
         return [probe["ffr"] for probe in ffr.at_probes(self.document, self.tree, sampler)]
 
-    def record(self, solved):
+    def mesh_record(self, solved):
         """Entry of `meshes` in ffr.json, printed too."""
-        value, estimate, name = self.at_probes(solved.sampler)[0], solved.estimate, pathlib.Path(solved.path).name
+        value, estimate, name = self.ffr_at_probes(solved.sampler)[0], solved.estimate, pathlib.Path(solved.path).name
         error = f", error {estimate['ffr']:.4f}" if estimate else ""
         print(f"{solved.path}: FFR {value:.4f}{error}", file=sys.stderr, flush=True)
         return {
@@ -152,15 +160,15 @@ class Search:
         }
 
 
-def _better(finer, coarser):
-    """Whether the flow on the finer mesh is the better answer (both Solved).
+def _finer_is_better(finer, coarser):
+    """Whether the flow on the finer mesh is the better answer (both SolvedMesh).
 
     It is if it has no artificial viscosity, or if its estimated error is not larger. Without artificial viscosity the
     estimates are not compared, since that of the finer mesh rests on more information.
     """
-    return finer.status == CONVERGED or _error(finer) <= _error(coarser)
+    return finer.status == CONVERGED or _ffr_error(finer) <= _ffr_error(coarser)
 
 
-def _error(solved):
+def _ffr_error(solved):
     """Estimated error of FFR at `distal`; infinite where it is not known."""
     return solved.estimate["ffr"] if solved.estimate else np.inf

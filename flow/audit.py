@@ -22,8 +22,9 @@ STEP_ERROR = 3e-3  # wanted error of one step, over the root mean square of the 
 FIRST_STEP, SHORTEST_STEP = 1e-4, 1e-7  # s: length of the first step, and least length of any step
 LONGEST_STEP = 0.1  # longest step in time units D/U
 SMALLEST_CHANGE, LARGEST_CHANGE = 0.4, 1.6  # limits of the length of a step over that of the step before
-WORTH_A_CHANGE = (0.8, 1.25)  # the length changes only by factors outside these, as each change costs a factorization
-PER_UNIT = 10  # number of evenly spaced samples of the series in a time unit
+# The length changes only by factors outside these, as each change costs a factorization.
+NEGLIGIBLE_CHANGE = (0.8, 1.25)
+SAMPLES_PER_UNIT = 10  # number of evenly spaced samples of the series in a time unit
 BATCHES = 8  # number of batches
 CONFIDENCE = 0.95  # probability that the interval given for a mean holds the true mean
 
@@ -33,29 +34,31 @@ def time_unit(radius_mm, flow_m3_per_s):
     return np.pi * (2e-3 * radius_mm) ** 3 / (4 * flow_m3_per_s)
 
 
-def march(problem, read, unit_s, units, most_steps):
+def march(problem, read_ffr, unit_s, units, most_steps):
     """Marches the flow in time and returns a DataFrame with time_s and ffr_0, ffr_1, ... of the probes.
 
     problem: solvers.nonlinear.FlowProblem, whose present flow is the start; read(sampler) -> FFR at the probes. The
     march ends after `units` time units of unit_s, or after `most_steps` steps. Raises ComputationError where even a
     step of about SHORTEST_STEP fails.
     """
-    problem.boundaries.full()
-    problem.forms.artificial.value = 0.0
+    problem.boundaries.set_full_flow()
+    problem.forms.artificial_viscosity.value = 0.0
     sampler = locate.FieldSampler(problem.space, problem.state.x.array)
     stepper, rows = marching.Stepper(problem), []
 
-    def note():
-        sampler.take(problem.space, problem.state.x.array)
-        rows.append([stepper.time, *read(sampler)])
+    def record():
+        sampler.set_state(problem.space, problem.state.x.array)
+        rows.append([stepper.time, *read_ffr(sampler)])
 
     try:
-        note()
-        for dt in _lengths(stepper, LONGEST_STEP * unit_s, most_steps):
-            note()
+        record()
+        for dt in _adaptive_steps(stepper, LONGEST_STEP * unit_s, most_steps):
+            record()
             if stepper.steps % 20 == 0:
-                said = f"{stepper.time / unit_s:.2f} of {units:g} D/U in {stepper.steps} steps: FFR {rows[-1][1]:.4f}"
-                print(f"{said}, step {dt:.2g} s", file=sys.stderr, flush=True)
+                progress = (
+                    f"{stepper.time / unit_s:.2f} of {units:g} D/U in {stepper.steps} steps: FFR {rows[-1][1]:.4f}"
+                )
+                print(f"{progress}, step {dt:.2g} s", file=sys.stderr, flush=True)
             if stepper.time >= units * unit_s:
                 break
     finally:
@@ -66,13 +69,14 @@ def march(problem, read, unit_s, units, most_steps):
     return table
 
 
-def _lengths(stepper, longest, most):
-    """Makes up to `most` steps with a marching.Stepper and yields the length of each in s, at most `longest`.
+def _adaptive_steps(stepper, longest_step, most_steps):
+    """Makes up to `most_steps` steps with a marching.Stepper and yields the length of each in s, at most
+    `longest_step`.
 
     The lengths are chosen for an error near STEP_ERROR.
     """
-    dt, problem = min(FIRST_STEP, longest), stepper.problem
-    while stepper.steps < most:
+    dt, problem = min(FIRST_STEP, longest_step), stepper.problem
+    while stepper.steps < most_steps:
         try:
             error = stepper.step(dt)
         except ComputationError:
@@ -85,11 +89,11 @@ def _lengths(stepper, longest, most):
             continue
         speed = float(np.sqrt(3 * np.mean(problem.state.x.array[problem.space.v_map] ** 2)))
         change = 0.9 * (STEP_ERROR * speed / max(error, 1e-300)) ** (1 / 3)
-        if not WORTH_A_CHANGE[0] < change < WORTH_A_CHANGE[1]:
-            dt = min(dt * np.clip(change, SMALLEST_CHANGE, LARGEST_CHANGE), longest)
+        if not NEGLIGIBLE_CHANGE[0] < change < NEGLIGIBLE_CHANGE[1]:
+            dt = min(dt * np.clip(change, SMALLEST_CHANGE, LARGEST_CHANGE), longest_step)
 
 
-def start_up(values):
+def start_up_samples(values):
     """Number of samples at the start of a series `values` (n,) that MSER cuts off.
 
     It is the number at which the variance of the rest over its length is least. It is at most half the series, since
@@ -110,7 +114,7 @@ def batch_means(values):
     return float(means.mean()), float(half)
 
 
-def evaluate(table, unit_s, steady, tolerance):
+def audit_document(table, unit_s, steady, tolerance):
     """Document of audit.json from the table of `march`.
 
     unit_s: time unit; steady: FFR of the steady flow at the probes, `distal` first; tolerance: of FFR. `settled` of the
@@ -119,9 +123,9 @@ def evaluate(table, unit_s, steady, tolerance):
     value in that interval; None where the march did not settle.
     """
     times = table["time_s"].to_numpy()
-    even = np.linspace(0.0, times[-1], max(int(PER_UNIT * times[-1] / unit_s), 2 * BATCHES) + 1)[1:]
-    series = [np.interp(even, times, table[f"ffr_{k}"]) for k in range(len(steady))]
-    cut = start_up(series[0])
+    even_times = np.linspace(0.0, times[-1], max(int(SAMPLES_PER_UNIT * times[-1] / unit_s), 2 * BATCHES) + 1)[1:]
+    series = [np.interp(even_times, times, table[f"ffr_{k}"]) for k in range(len(steady))]
+    cut = start_up_samples(series[0])
     found = [batch_means(values[cut:]) for values in series]
     settled = found[0][1] <= tolerance
     gap = steady[0] - found[0][0]
@@ -138,7 +142,7 @@ def evaluate(table, unit_s, steady, tolerance):
         "ffr_most": float(series[0][cut:].max()),
         "time_unit_s": unit_s,
         "time_units": float(times[-1] / unit_s),
-        "start_up_units": float(even[cut - 1] / unit_s) if cut else 0.0,
+        "start_up_units": float(even_times[cut - 1] / unit_s) if cut else 0.0,
         "batches": BATCHES,
         "steps": len(times) - 1,
         "factorizations": table.attrs["factorizations"],
@@ -149,27 +153,27 @@ def evaluate(table, unit_s, steady, tolerance):
     }
 
 
-def of_answer(solved, case):
-    """(document of audit.json, table of `march`) for a solvers.solved_mesh.Solved. The march changes its state.
+def audit_answer(solved, case):
+    """(document of audit.json, table of `march`) for a solvers.solved_mesh.SolvedMesh. The march changes its state.
 
-    case: reduced.extended.Extended.
+    case: reduced.extended.ExtendedLumen.
     """
 
-    def read(sampler):
-        return [one["ffr"] for one in ffr.at_probes(case.document, case.original, sampler)]
+    def read_ffr(sampler):
+        return [one["ffr"] for one in ffr.at_probes(case.document, case.original_tree, sampler)]
 
-    flow_of = dict(zip(solved.boundaries.names, solved.outflows))
+    flow_of = dict(zip(solved.boundaries.outlet_names, solved.outflows))
     network = case.network
-    branch, s_mm, _ = case.original.place_of(case.document["probes"][0])
-    through = sum(flow_of[network.names[i]] for i in network.downstream(branch.name, s_mm))
-    unit_s, steady = float(time_unit(branch.radius(s_mm), through)), read(solved.sampler)
-    table = march(solved.problem, read, unit_s, case.settings.audit_units, case.settings.march_steps)
-    answer = evaluate(table, unit_s, steady, case.settings.ffr_tolerance)
-    answer["artificial_viscosity"] = solved.artificial
+    branch, s_mm, _ = case.original_tree.project_probe(case.document["probes"][0])
+    flow = sum(flow_of[network.outlet_names[i]] for i in network.downstream(branch.name, s_mm))
+    unit_s, steady = float(time_unit(branch.radius(s_mm), flow)), read_ffr(solved.sampler)
+    table = march(solved.problem, read_ffr, unit_s, case.settings.audit_units, case.settings.march_steps)
+    answer = audit_document(table, unit_s, steady, case.settings.ffr_tolerance)
+    answer["artificial_viscosity"] = solved.artificial_viscosity
     return answer, table
 
 
-def in_words(answer):
+def summary_line(answer):
     """One line for the user with the result in the document of audit.json."""
     mean = f"mean {answer['ffr_mean']:.4f} +- {answer['ffr_mean_half_width_95']:.4f}"
     over = f"{answer['time_units']:.1f} D/U"

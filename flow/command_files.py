@@ -7,28 +7,34 @@ import pathlib
 
 from common.errors import InputError
 from flow import output
-from flow.inputs.lumen_summary import OF_A_PLAN
+from flow.inputs.lumen_summary import ANATOMY_STEP_FILES
 
 
-def clear(arguments):
-    """Removes the files that an earlier run with the same outputs wrote (flow.output.clear). Raises InputError."""
-    of = {"boundary": boundary, "mesh": mesh, "solve": solve, "audit": audit, "rank": rank}
-    written, read = of[arguments.command](arguments)
-    output.clear(written, [pathlib.Path(path) for path in (*read, arguments.settings) if path])
+def remove_old_output(arguments):
+    """Removes the files that an earlier run with the same outputs wrote (flow.output). Raises InputError."""
+    files_of = {
+        "boundary": boundary_files,
+        "mesh": mesh_files,
+        "solve": solve_files,
+        "audit": audit_files,
+        "rank": rank_files,
+    }
+    written, read = files_of[arguments.command](arguments)
+    output.remove_old_output(written, [pathlib.Path(path) for path in (*read, arguments.settings) if path])
 
 
-def boundary(arguments):
+def boundary_files(arguments):
     """(files written, files read) of `flow boundary`."""
-    line = arguments.centreline or pathlib.Path(arguments.anatomy).with_name("centreline.vtp")
-    return [pathlib.Path(arguments.out)], [arguments.anatomy, line, arguments.case]
+    centreline = arguments.centreline or pathlib.Path(arguments.anatomy).with_name("centreline.vtp")
+    return [pathlib.Path(arguments.out)], [arguments.anatomy, centreline, arguments.case]
 
 
-def mesh_report(arguments):
+def mesh_report_path(arguments):
     """Path of the report of `flow mesh`."""
     return pathlib.Path(arguments.json or pathlib.Path(arguments.out).with_suffix(".json"))
 
 
-def mesh(arguments):
+def mesh_files(arguments):
     """(files written, files read) of `flow mesh`.
 
     Raises InputError for a mesh name that does not end in .msh, or a file that would replace another one.
@@ -37,7 +43,7 @@ def mesh(arguments):
     for path in meshes:
         if path.suffix != ".msh":
             raise InputError("not the name of a gmsh mesh", "--out, --coarse", path, "let it end in .msh")
-    written = [*meshes, mesh_report(arguments)]
+    written = [*meshes, mesh_report_path(arguments)]
     read = [path for path in (arguments.lumen, arguments.centreline, arguments.settings) if path]
     files = [pathlib.Path(path).resolve() for path in (*read, *written)]
     for k, path in enumerate(files[len(read) :], start=len(read)):
@@ -46,7 +52,7 @@ def mesh(arguments):
     return written, read
 
 
-def with_rings(coarse, rings):
+def pair_with_rings(coarse, rings):
     """[(path, rings)] of the coarser meshes, the coarsest first.
 
     coarse: paths; rings: setting coarse_rings. With fewer paths than rings, the last of `rings` are used. Raises
@@ -58,7 +64,7 @@ def with_rings(coarse, rings):
     return list(zip(coarse, rings[len(rings) - len(coarse) :]))
 
 
-def meshes(arguments):
+def mesh_paths(arguments):
     """Paths of the meshes to solve on, the coarsest first. Raises InputError for a file that is missing.
 
     Coarser meshes with an empty file are passed over: `flow mesh` has left them out.
@@ -69,44 +75,44 @@ def meshes(arguments):
     return [*(path for path in arguments.coarse if pathlib.Path(path).stat().st_size), arguments.mesh]
 
 
-def beside_centreline(arguments):
+def anatomy_and_sections(arguments):
     """(anatomy.json, sections.csv) of `flow solve`: as given, else beside the centreline."""
     folder = pathlib.Path(arguments.centreline).parent
     return arguments.anatomy or folder / "anatomy.json", arguments.sections or folder / "sections.csv"
 
 
-def there(path, option):
+def require_file(path, option):
     """Returns `path`. Raises InputError if no file is there; the message names `option`, which gives the path."""
     if not pathlib.Path(path).is_file():
         raise InputError("no such file", path, "missing", f"leave it beside the centreline, or give {option}")
     return path
 
 
-def _solved(arguments):
+def _solve_inputs(arguments):
     """Files that `flow solve` or `flow audit` reads."""
     meshes = [arguments.mesh, *arguments.coarse]
     read = [*meshes, arguments.boundary, arguments.centreline, arguments.mesh_report]
     read += [pathlib.Path(path).with_suffix(".json") for path in meshes]
     if getattr(arguments, "start", None):
         read += [pathlib.Path(arguments.start[0]) / name for name in output.FILES] + [arguments.start[1]]
-    return [*read, arguments.lumen, *beside_centreline(arguments)]
+    return [*read, arguments.lumen, *anatomy_and_sections(arguments)]
 
 
-def solve(arguments):
+def solve_files(arguments):
     """(files written, files read) of `flow solve`."""
-    return [pathlib.Path(arguments.out) / name for name in output.FILES], _solved(arguments)
+    return [pathlib.Path(arguments.out) / name for name in output.FILES], _solve_inputs(arguments)
 
 
-def audit(arguments):
+def audit_files(arguments):
     """(files written, files read) of `flow audit`. Raises InputError if the output's name does not end in .json."""
     written = pathlib.Path(arguments.out)
     if written.suffix != ".json":
         raise InputError("not the name of a JSON file", "--out", written, "let it end in .json")
-    return [written, written.with_suffix(".csv")], _solved(arguments)
+    return [written, written.with_suffix(".csv")], _solve_inputs(arguments)
 
 
-def rank(arguments):
+def rank_files(arguments):
     """(files written, files read) of `flow rank`."""
     folders = [pathlib.Path(plan.partition("=")[2]) for plan in arguments.plans]
-    read = [folder / name for folder in folders for name in OF_A_PLAN]
+    read = [folder / name for folder in folders for name in ANATOMY_STEP_FILES]
     return [pathlib.Path(arguments.out)], [arguments.boundary, *arguments.measured, *read]

@@ -14,22 +14,22 @@ from flow.physics.units import MM_PER_M
 FILES = ("ffr.json", "pullback.csv", "solution.vtu")
 
 
-def clear(files, inputs):
+def remove_old_output(files, inputs):
     """Removes the output `files` of an earlier run. If this run is refused, they would be taken for its output.
 
     inputs: paths of the files that the command reads. Raises InputError, and removes nothing, if one of them is among
     `files`, or if `files` cannot be written.
     """
-    own = [path.resolve() for path in files]
+    resolved = [path.resolve() for path in files]
     for path in inputs:
-        if path.resolve() in own:
+        if path.resolve() in resolved:
             raise InputError("an input would be replaced by its answer", "--out", path, "give another name or folder")
     for path in files:
         if path.is_dir():
             raise InputError("a file cannot replace a folder", path, "a folder", "give another name")
-        there = next(place for place in path.absolute().parents if place.exists())
-        if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
-            value = f"{there} is no folder to write to: give another"
+        existing = next(place for place in path.absolute().parents if place.exists())
+        if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
+            value = f"{existing} is no folder to write to: give another"
             raise InputError("no folder for the answer", "--out", path.parent, value)
     for path in files:
         path.unlink(missing_ok=True)

@@ -21,7 +21,7 @@ def commands_of(name):
     return properties()[name]["x-commands"]
 
 
-def option(name):
+def option_name(name):
     """The command-line option of a setting."""
     return "--" + name.replace("_", "-")
 
@@ -37,7 +37,7 @@ def add_options(parser, command):
         if command in commands_of(name):
             kind = {"type": str if rule["type"] == "string" else _number, "help": schema.describe(rule)}
             several = {"nargs": "+"} if rule["type"] == "array" else {}
-            group.add_argument(option(name), dest=name, default=argparse.SUPPRESS, **kind, **several)
+            group.add_argument(option_name(name), dest=name, default=argparse.SUPPRESS, **kind, **several)
 
 
 def _number(text):
@@ -51,9 +51,9 @@ def _number(text):
     return text
 
 
-def check_left(command, words):
+def check_unknown_arguments(command, words):
     """Raises InputError if one of `words`, arguments that a command did not know, is a setting of another command."""
-    options = {option(name): name for name in properties()}
+    options = {option_name(name): name for name in properties()}
     for word in words:
         given = word.partition("=")[0]
         if given in options:
@@ -76,9 +76,9 @@ def from_arguments(arguments):
             raise InputError("not a group of keys", path, values, "give a JSON file with keys of section flow")
         values = dict(values)
     given = {name: getattr(arguments, name) for name in properties() if hasattr(arguments, name)}
-    made = make(**{**values, **given})
-    check_switches(vars(made), "flow settings", given)
-    return made
+    settings = make(**{**values, **given})
+    check_switches(vars(settings), "flow settings", given)
+    return settings
 
 
 def make(**values):

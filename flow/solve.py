@@ -16,7 +16,7 @@ from flow.physics import viscosity, wall_shear
 from flow.reduced import answer as reduced_answer, flow_range
 from flow.solvers import solved_mesh
 
-LARGE = 0.05  # a larger difference between the FFR of 3D and reduced models gets a warning
+LARGE_DIFFERENCE = 0.05  # a larger difference between the FFR of 3D and reduced models gets a warning
 # Largest |outflow - inflow| over the inflow; a flow with more is refused. Solves by factorization have 1e-14 to 1e-13.
 LARGEST_IMBALANCE = 1e-8
 
@@ -24,59 +24,60 @@ LARGEST_IMBALANCE = 1e-8
 def run(paths, case, folder, start=None, made_from=None):
     """Solves, writes solution.vtu, pullback.csv and ffr.json to `folder`, and returns the document of ffr.json.
 
-    paths: of the meshes, the coarsest first; case: reduced.extended.Extended; start: inputs.solution.Start, the flow of
-    another state, or None; made_from: {key: SHA-256} of input files, to be noted in ffr.json. Raises ComputationError.
+    paths: of the meshes, the coarsest first; case: reduced.extended.ExtendedLumen; start: inputs.solution.StartState,
+    the flow of another state, or None; made_from: {key: SHA-256} of input files, to be noted in ffr.json. Raises
+    ComputationError.
     """
     begin, begin_cpu = time.perf_counter(), _cpu_seconds()
     spaces.check_coarser(paths)
-    document, settings, tree = case.document, case.settings, case.original
-    predicted = case.predictor()
-    models = predicted.answers()
-    extensions = case.report(models)
+    document, settings, tree = case.document, case.settings, case.original_tree
+    predictor = case.predictor()
+    models = predictor.answers()
+    extensions = case.extension_report(models)
     print(f"1D network: FFR {models['network']['ffr']:.4f}", file=sys.stderr, flush=True)
     if settings.model == "3d":
-        search = adaptive.Search(document, settings, tree, predicted)
+        search = adaptive.MeshSearch(document, settings, tree, predictor)
         solved = search.run(paths, start)
     else:
-        solved = reduced_answer.Reduced(settings.model, predicted, paths[0])
+        solved = reduced_answer.ReducedAnswer(settings.model, predictor, paths[0])
     reference, estimate = ffr.reference_pa(document, tree, solved.sampler), solved.estimate
-    answer, table = collect(solved, case, reference)
-    answer |= _of_flow(solved) if settings.model == "3d" else {"dofs": solved.dofs}
-    answer["error_estimate"] = error_estimate.document(estimate)
-    pointwise.write(solved, case, answer, table)
+    answer, table = shared_entries(solved, case, reference)
+    answer |= _flow_entries(solved) if settings.model == "3d" else {"dofs": solved.dofs}
+    answer["error_estimate"] = error_estimate.shown_entries(estimate)
+    pointwise.add_estimates(solved, case, answer, table)
     if settings.model == "3d":
         models["3d"] = {"ffr": answer["ffr"], "error_estimate": estimate["ffr"] if estimate else None}
         answer["ffr_tolerance"] = settings.ffr_tolerance
-        answer["tolerance_met"] = adaptive.within(estimate, settings)
+        answer["tolerance_met"] = adaptive.tolerance_met(estimate, settings)
         answer["mesh"], answer["meshes"] = pathlib.Path(solved.path).name, search.meshes
-        answer["start"] = search.started
-        warnings = adaptive.missed(estimate, settings, [probe["name"] for probe in answer["probes"]])
+        answer["start"] = search.start_record
+        warnings = adaptive.tolerance_warnings(estimate, settings, [probe["name"] for probe in answer["probes"]])
     else:
-        warnings = reduced_answer.unknown_error(settings.model)
+        warnings = reduced_answer.unknown_error_warning(settings.model)
     answer["made_from"], answer["models"] = made_from, models
-    branch, s_mm, _ = tree.place_of(document["probes"][0])
-    answer["ffr_range"] = flow_range.of_answer(answer["ffr"], document, case.network_at, (branch.name, s_mm))
-    answer["warnings"] = case.warnings + document.get("warnings", []) + compared(models)
-    answer["warnings"] += ffr.rising(answer["probes"], table)
-    answer["warnings"] += ffr.displaced(answer["probes"], tree, table) + warnings
+    branch, s_mm, _ = tree.project_probe(document["probes"][0])
+    answer["ffr_range"] = flow_range.ffr_range(answer["ffr"], document, case.network_at, (branch.name, s_mm))
+    answer["warnings"] = case.warnings + document.get("warnings", []) + model_difference_warnings(models)
+    answer["warnings"] += ffr.slope_warnings(answer["probes"], table)
+    answer["warnings"] += ffr.displacement_warnings(answer["probes"], tree, table) + warnings
     answer["extensions"] = extensions
     answer["reduced_model"] = {"model": "1D network", **models["network"]}
     answer["seconds"] = time.perf_counter() - begin
     answer["cpu_seconds"] = _cpu_seconds() - begin_cpu
     answer["peak_memory_mib"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    output.write_all(pathlib.Path(folder), fields(solved, document, reference), table, answer)
+    output.write_all(pathlib.Path(folder), vtu_fields(solved, document, reference), table, answer)
     solved.destroy()
-    predicted.destroy()
+    predictor.destroy()
     return answer
 
 
 def _cpu_seconds():
     """CPU seconds of this process and of the programs that it ran."""
-    spent = [resource.getrusage(whose) for whose in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(one.ru_utime + one.ru_stime for one in spent)
+    usage = [resource.getrusage(whose) for whose in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in usage)
 
 
-def in_words(answer):
+def summary_line(answer):
     """One line for the user: FFR and its error, and the status if an artificial viscosity is left.
 
     answer: document of ffr.json.
@@ -87,26 +88,29 @@ def in_words(answer):
     return f"FFR {answer['ffr']:.4f} +- {error}{status}"
 
 
-def compared(models):
-    """[warning], printed too, if the FFR of the models differ by more than LARGE. models: entry of ffr.json."""
+def model_difference_warnings(models):
+    """[warning], printed too, if the FFR of the models differ by more than LARGE_DIFFERENCE.
+
+    models: entry of ffr.json.
+    """
     found = {name: entry["ffr"] for name, entry in models.items() if entry["ffr"] is not None}
-    if max(found.values()) - min(found.values()) <= LARGE:
+    if max(found.values()) - min(found.values()) <= LARGE_DIFFERENCE:
         return []
     values = ", ".join(f"{name} {value:.3f}" for name, value in found.items())
-    said = f"the models' FFR differ by more than {LARGE:g}: {values}; look at the mesh and sections.csv"
-    print(said, file=sys.stderr, flush=True)
-    return [said]
+    warning = f"the models' FFR differ by more than {LARGE_DIFFERENCE:g}: {values}; look at the mesh and sections.csv"
+    print(warning, file=sys.stderr, flush=True)
+    return [warning]
 
 
-def collect(solved, case, reference):
+def shared_entries(solved, case, reference):
     """(the entries of ffr.json that 3D and reduced models both have, table of pullback.csv without estimated errors).
 
-    solved: solvers.solved_mesh.Solved or reduced.answer.Reduced; case: reduced.extended.Extended; reference: the
-    denominator of FFR in Pa.
+    solved: solvers.solved_mesh.SolvedMesh or reduced.answer.ReducedAnswer; case: reduced.extended.ExtendedLumen;
+    reference: the denominator of FFR in Pa.
     """
-    tree, network, names, estimate = case.original, case.network, solved.names, solved.estimate
+    tree, network, names, estimate = case.original_tree, case.network, solved.outlet_names, solved.estimate
     flow_of = dict(zip(names, solved.outflows))
-    by_index = np.array([flow_of[name] for name in network.names])
+    by_index = np.array([flow_of[name] for name in network.outlet_names])
 
     def flow_at(branch, s_mm):
         return float(by_index[network.downstream(branch, s_mm)].sum())
@@ -114,7 +118,7 @@ def collect(solved, case, reference):
     probes = ffr.at_probes(case.document, tree, solved.sampler)
     for k, probe in enumerate(probes):
         probe["error_estimate"] = estimate["probes"][k] if estimate else None
-    at_ends = ffr.at_ends(names, solved.pressures, case, solved.sampler, reference)
+    at_ends = ffr.at_outlets(names, solved.pressures, case, solved.sampler, reference)
     answer = {
         "schema": "vci-ffr-1",
         "status": solved.status,
@@ -130,22 +134,22 @@ def collect(solved, case, reference):
     return answer, ffr.pullback(tree, solved.sampler, reference, flow_at)
 
 
-def _of_flow(solved):
+def _flow_entries(solved):
     """The entries of ffr.json that only a 3D flow has. Raises ComputationError if mass is not conserved."""
     outcome = solved.outcome
     return {
-        "mass_imbalance": _conserved(solved.outflows.sum(), solved.inflow),
+        "mass_imbalance": _mass_imbalance(solved.outflows.sum(), solved.inflow),
         "energy": energy.balance(solved.problem),
         "iterations": outcome.iterations,
         "residual_absolute": outcome.residual_absolute,
         "residual_relative": outcome.residual_relative,
-        "artificial_viscosity": solved.artificial,
+        "artificial_viscosity": solved.artificial_viscosity,
         "dofs": solved.space.dofs,
         "cells": len(solved.space.nodes()[1]),
     }
 
 
-def _conserved(outflow, inflow):
+def _mass_imbalance(outflow, inflow):
     """|outflow - inflow| / inflow. Raises ComputationError above LARGEST_IMBALANCE."""
     imbalance = float(abs(outflow - inflow) / abs(inflow))
     if not imbalance <= LARGEST_IMBALANCE:
@@ -158,13 +162,13 @@ def _conserved(outflow, inflow):
     return imbalance
 
 
-def fields(solved, document, reference):
+def vtu_fields(solved, document, reference):
     """(points, cells, {name: values}) for output.write_vtu. reference: the denominator of FFR in Pa."""
     points, cells = solved.space.nodes()
     velocity, pressure = solved.sampler.velocity, solved.sampler.pressure
     wall = np.zeros(len(points), bool)
     wall[solved.space.wall_nodes()] = True
-    stress = wall_shear.wall_shear_stress(points, cells, velocity, wall, viscosity.of(document))
+    stress = wall_shear.wall_shear_stress(points, cells, velocity, wall, viscosity.from_document(document))
     return (
         points,
         cells,

@@ -6,16 +6,16 @@ import sys
 
 from common.errors import InputError, guarded
 from common.files import write_json, write_table
-from reports.inputs.case_files import ARMS, STATES, CaseFiles
+from reports.inputs.case_files import SEGMENTATION_ARMS, STATES, CaseFiles
 from reports.inputs.reading import read_json
 
 
-def case_list(args):
+def case_files(args):
     """The CaseFiles of --case-dir folders, named after the folders."""
     return [CaseFiles(folder.resolve().name, folder) for folder in args.case_dir]
 
 
-def metrics_list(paths):
+def read_metrics(paths):
     """The metrics documents at `paths`; InputError for a document of another kind or a case given twice."""
     documents = []
     for path in paths:
@@ -41,14 +41,19 @@ def run_table(args):
     from reports.study.contrast import contrast_table
     from reports.study.nearer import nearer_table
 
-    make = {"agreement": agreement_table, "cohort": cohort_table, "nearer": nearer_table, "contrast": contrast_table}
-    write_table(args.out, make[args.command](metrics_list(args.metrics)), digits=None)
+    table_functions = {
+        "agreement": agreement_table,
+        "cohort": cohort_table,
+        "nearer": nearer_table,
+        "contrast": contrast_table,
+    }
+    write_table(args.out, table_functions[args.command](read_metrics(args.metrics)), digits=None)
 
 
 def run_differences(args):
     from reports.study.differences import difference_table, station_table
 
-    documents = metrics_list(args.metrics)
+    documents = read_metrics(args.metrics)
     write_table(args.stations, station_table(documents), digits=None)
     write_table(args.out, difference_table(documents), digits=None)
 
@@ -58,7 +63,7 @@ def run_patients(args):
     from reports.selection.flow_chart import inclusion_figure
     from reports.selection.patients import inclusion_table, patients_table
 
-    documents = metrics_list(args.metrics)
+    documents = read_metrics(args.metrics)
     configs = {path.stem: path for path in args.configs}
     missing = [document["case"] for document in documents if document["case"] not in configs]
     if missing:
@@ -92,15 +97,15 @@ def run_subgroups(args):
 def run_timings(args):
     from reports.study.timings import timings_table
 
-    write_table(args.out, timings_table(case_list(args)), digits=None)
+    write_table(args.out, timings_table(case_files(args)), digits=None)
 
 
 def run_seconds(args):
     from reports.figures.seconds import seconds_figure
-    from reports.inputs.reading import existing
+    from reports.inputs.reading import require_file
     from reports.study.seconds import read_timings, seconds_table
 
-    timings = read_timings(existing(args.timings, "reports timings"))
+    timings = read_timings(require_file(args.timings, "reports timings"))
     write_table(args.out, seconds_table(timings), digits=None)
     seconds_figure(timings, args.figures_dir)
 
@@ -111,10 +116,10 @@ def run_figures(args):
 
     if not args.case_dir and not args.metrics:
         raise InputError("nothing to draw", "reports figures", "", "give --case-dir for cases, --metrics for the study")
-    for files in case_list(args):
+    for files in case_files(args):
         case_figures(files, args.out_dir)
     if args.metrics:
-        study_figures(metrics_list(args.metrics), args.out_dir)
+        study_figures(read_metrics(args.metrics), args.out_dir)
 
 
 def run_procedure(args):
@@ -126,14 +131,14 @@ def run_procedure(args):
 def run_ct(args):
     from reports.figures.ct_slices import ct_figure
 
-    for files in case_list(args):
+    for files in case_files(args):
         ct_figure(files, read_json(files.metrics, "reports metrics"), args.out_dir)
 
 
 def run_sensitivity(args):
     from reports.whatif.tornado import sensitivity_figure
 
-    for files in case_list(args):
+    for files in case_files(args):
         sensitivity_figure(files, args.out_dir)
 
 
@@ -146,24 +151,24 @@ def run_software(args):
 def run_report(args):
     from reports.page.build import build_report
 
-    places = args.study_dir, args.figures_dir, args.out
-    told = args.software, args.cohort, args.benchmarks, args.provenance, failed_steps(args.failed)
-    build_report(case_list(args), *places, args.junit, *told, args.three)
+    paths = args.study_dir, args.figures_dir, args.out
+    metadata = args.software, args.cohort, args.benchmarks, args.provenance, failed_steps(args.failed)
+    build_report(case_files(args), *paths, args.junit, *metadata, args.three)
 
 
 def run_numbers(args):
     from reports.record.numbers import report_numbers
 
     write_json(
-        args.out, report_numbers(case_list(args), args.study_dir, args.cohort, args.junit, failed_steps(args.failed))
+        args.out, report_numbers(case_files(args), args.study_dir, args.cohort, args.junit, failed_steps(args.failed))
     )
 
 
 def run_crate(args):
     from reports.record.crate import crate
-    from reports.study.software import git
+    from reports.study.software import git_output
 
-    date = git(args.repository, "show", "-s", "--format=%cI", "HEAD")
+    date = git_output(args.repository, "show", "-s", "--format=%cI", "HEAD")
     citation = args.repository / "CITATION.cff"
     write_json(args.out, crate(args.out.parent, args.cases, citation, date, args.cohort))
 
@@ -177,8 +182,8 @@ def run_check(args):
 
 def parser():
     """The argument parser; every command stores the function that runs it as `run`."""
-    top = argparse.ArgumentParser(prog="reports", description=__doc__)
-    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    root = argparse.ArgumentParser(prog="reports", description=__doc__)
+    commands = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
     path = pathlib.Path
 
     command = commands.add_parser("metrics", help="area, curvature and FFR of a case's states -> metrics.json")
@@ -188,7 +193,9 @@ def parser():
     command.add_argument("--stations", type=int, default=101, help="places along the segment (101; at least 50)")
     command.add_argument("--states", nargs="+", choices=STATES, help="only these (default: all with results)")
     command.add_argument("--config", type=path, help="config/cases/<case>.yaml, for the patient's measurements")
-    command.add_argument("--segmentation", choices=ARMS, default="", help="another one of the CT (the study's own)")
+    command.add_argument(
+        "--segmentation", choices=SEGMENTATION_ARMS, default="", help="another one of the CT (the study's own)"
+    )
     command.add_argument("--out", required=True, type=path, help="metrics.json")
     command.set_defaults(run=run_metrics)
 
@@ -303,7 +310,7 @@ def parser():
     command.add_argument("--screenshot", type=path, help="also save a picture (PNG)")
     command.add_argument("--window", default="1440,900", help="width,height of the picture in pixels (1440,900)")
     command.set_defaults(run=run_check)
-    return top
+    return root
 
 
 @guarded

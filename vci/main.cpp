@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace vci;
 
-PointArray displacement(const Lumen& lumen, const Vectors& points) {
+PointArray displacement_array(const Lumen& lumen, const Vectors& points) {
   Vectors moved = points;
   for (std::size_t i = 0; i < points.size(); ++i)
     moved[i] -= lumen.points[i];
@@ -33,23 +33,23 @@ PointArray displacement(const Lumen& lumen, const Vectors& points) {
 }
 
 /// The scene. If it is refused, an earlier run's deployment.json in `out` is removed too.
-Scene scene_for(const fs::path& scene_file, const fs::path& out) {
+Scene read_scene_for_output(const fs::path& scene_file, const fs::path& out) {
   try {
     return read_scene(scene_file);
   } catch (...) {
-    withdraw(out, scene_file);
+    remove_stale_result(out, scene_file);
     throw;
   }
 }
 
 int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& frames, int every_steps) {
-  const Scene scene = scene_for(scene_file, out);
-  const Output output(out, {scene_file, scene.lumen, scene.coarse_lumen, scene.centreline});
+  const Scene scene = read_scene_for_output(scene_file, out);
+  const OutputFolder output(out, {scene_file, scene.lumen, scene.coarse_lumen, scene.centreline});
   const LumenFile lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
   check_placements(scene, paths);
   check_lumen(scene, lumen, paths);
-  const std::optional<CoarseLumen> coarse = coarse_lumen(scene, lumen);
+  const std::optional<CoarseLumen> coarse = load_coarse_lumen(scene, lumen);
   if (coarse)
     check_lumen(coarse->scene(), coarse->lumen(), paths);
   const LumenFile& deployed = coarse ? coarse->lumen() : lumen;
@@ -65,10 +65,10 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
   std::vector<PointArray> arrays = force_arrays(d.forces);
   if (coarse) {
     write_shape(output.folder() / "coarse_lumen.vtp", d.points, deployed.triangles, {}, arrays);
-    d = coarse->carry(std::move(d));
+    d = coarse->carry_to_fine(std::move(d));
     arrays.clear();
   }
-  arrays.push_back(displacement(lumen, d.points));
+  arrays.push_back(displacement_array(lumen, d.points));
   arrays.push_back({"wall_stretch", 1, d.wall_stretch});
   arrays.push_back({"malapposition_mm", 1, d.malapposition});
   write_lumen(output.folder() / "lumen.vtp", output.folder() / "lumen.stl", lumen, d.points, arrays);
@@ -85,17 +85,17 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
       ++stent;
     }
   }
-  const nlohmann::json found = readouts(scene, lumen, paths, d);
-  for (std::size_t k = d.warnings.size(); k < found["warnings"].size(); ++k) // earlier ones are already printed
-    observer.log("warning: " + found["warnings"][k].get<std::string>());
-  write_json(output.folder() / "deployment.json", found);
+  const nlohmann::json document = readouts(scene, lumen, paths, d);
+  for (std::size_t k = d.warnings.size(); k < document["warnings"].size(); ++k) // earlier ones are already printed
+    observer.log("warning: " + document["warnings"][k].get<std::string>());
+  write_json(output.folder() / "deployment.json", document);
   output.publish();
   return 0;
 }
 
 int run_radius_correct(const fs::path& scene_file, const fs::path& out) {
-  const Scene scene = scene_for(scene_file, out);
-  const Output output(out, {scene_file, scene.lumen, scene.centreline});
+  const Scene scene = read_scene_for_output(scene_file, out);
+  const OutputFolder output(out, {scene_file, scene.lumen, scene.centreline});
   const LumenFile lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
   check_placements(scene, paths);
@@ -103,7 +103,7 @@ int run_radius_correct(const fs::path& scene_file, const fs::path& out) {
   const auto start = std::chrono::steady_clock::now();
   const Vectors points = correct_radius(scene, lumen, paths);
   write_lumen(output.folder() / "lumen.vtp", output.folder() / "lumen.stl", lumen, points,
-              {displacement(lumen, points)});
+              {displacement_array(lumen, points)});
   const Segment segment = reported_segment(scene);
   const Path& path = paths.at(segment.branch);
   const nlohmann::json profile = area_profile(points, lumen.triangles, path, segment.s_start, segment.s_end);
@@ -158,7 +158,7 @@ int run_crush(const fs::path& scene_file, const std::string& device) {
 } // namespace
 
 int main(int argc, char** argv) {
-  common::same_digits_on_every_processor(argv);
+  common::restart_without_fma(argv);
   CLI::App app{"Virtual coronary intervention: what balloon and stent do to a narrowed artery", "vci"};
   app.require_subcommand(1);
   std::string scene, out, device, frames;

@@ -15,11 +15,12 @@ using namespace vci;
 
 namespace {
 
-template <class Value> using Array = std::optional<py::array_t<Value, py::array::c_style | py::array::forcecast>>;
-constexpr int steps_between_looks = 10; // solver steps between two checks for Ctrl-C: a fraction of a second
+template <class Value>
+using OptionalArray = std::optional<py::array_t<Value, py::array::c_style | py::array::forcecast>>;
+constexpr int steps_between_signal_checks = 10; // solver steps between two checks for Ctrl-C: a fraction of a second
 using Log = std::function<void(const std::string&)>;
 
-template <class Value> std::vector<Value> values_of(const Array<Value>& array) {
+template <class Value> std::vector<Value> values_of(const OptionalArray<Value>& array) {
   return array ? std::vector<Value>(array->data(), array->data() + array->size()) : std::vector<Value>{};
 }
 
@@ -79,14 +80,15 @@ TriangleRows triangles_of(const py::object& object) {
 /// Python dicts and lists as JSON. Numpy's arrays and numbers become lists and numbers. @param name of the argument,
 /// for messages
 json json_of(const py::object& object, const std::string& name) {
-  const py::cpp_function plain([](const py::object& value) -> py::object {
+  const py::cpp_function to_builtin([](const py::object& value) -> py::object {
     if (!py::hasattr(value, "tolist"))
       throw py::type_error("neither a number, text, list nor dict: " + std::string(py::repr(value)));
     return value.attr("tolist")();
   });
   const py::object dumps = py::module_::import("json").attr("dumps");
   try {
-    return json::parse(dumps(object, py::arg("default") = plain, py::arg("allow_nan") = false).cast<std::string>());
+    return json::parse(
+        dumps(object, py::arg("default") = to_builtin, py::arg("allow_nan") = false).cast<std::string>());
   } catch (const py::error_already_set& error) {
     if (!error.matches(PyExc_ValueError))
       throw;
@@ -95,7 +97,7 @@ json json_of(const py::object& object, const std::string& name) {
   }
 }
 
-py::object object_of(const json& value) {
+py::object python_object(const json& value) {
   return py::module_::import("json").attr("loads")(value.dump());
 }
 
@@ -105,9 +107,10 @@ struct Vessel {
   std::map<std::string, Path> paths;
 };
 
-Vessel vessel_from(const Eigen::Ref<const PointRows>& points, const py::object& triangles, const Array<double>& radius,
-                   const std::map<std::string, PointRows>& centreline, const Array<double>& plaque,
-                   const py::object& plaque_type, const Array<double>& reference) {
+Vessel vessel_from(const Eigen::Ref<const PointRows>& points, const py::object& triangles,
+                   const OptionalArray<double>& radius, const std::map<std::string, PointRows>& centreline,
+                   const OptionalArray<double>& plaque, const py::object& plaque_type,
+                   const OptionalArray<double>& reference) {
   const std::vector<int> types =
       plaque_type.is_none() ? std::vector<int>{} : whole_numbers(array_of(plaque_type, "plaque_type"), "plaque_type");
   Vessel vessel;
@@ -144,14 +147,14 @@ struct Result {
 /// A procedure that runs step by step. Python's threads may share a Session; each call waits for the previous one.
 class Session {
   /// Ends a computation on Ctrl-C.
-  static void stop_where_interrupted(const Snapshot&) {
+  static void stop_if_interrupted(const Snapshot&) {
     const py::gil_scoped_acquire held;
     if (PyErr_CheckSignals() != 0)
       throw py::error_already_set();
   }
 
   /// Runs a function without Python's interpreter lock, while no other thread runs one of this Session's functions.
-  template <class Call> auto alone(Call call) {
+  template <class Call> auto run_exclusively(Call call) {
     const py::gil_scoped_release released; // before the lock: its holder may need the interpreter to log
     const std::lock_guard<std::recursive_mutex> lock(mutex_);
     return call();
@@ -161,29 +164,29 @@ public:
   Session(Vessel vessel, Scene scene, const Log& log)
       : vessel_(std::move(vessel)), scene_(std::move(scene)),
         deployment_(scene_, vessel_.lumen, vessel_.paths,
-                    {.see = stop_where_interrupted, .every_steps = steps_between_looks, .log = log}) {}
+                    {.see = stop_if_interrupted, .every_steps = steps_between_signal_checks, .log = log}) {}
 
   std::size_t steps() {
-    return alone([&] { return deployment_.steps(); });
+    return run_exclusively([&] { return deployment_.steps(); });
   }
   std::size_t steps_done() {
-    return alone([&] { return deployment_.steps_done(); });
+    return run_exclusively([&] { return deployment_.steps_done(); });
   }
   void step() {
-    alone([&] { deployment_.step(); });
+    run_exclusively([&] { deployment_.step(); });
   }
   void run() {
     while (steps_done() < steps())
       step();
   }
   PointRows points() {
-    return rows_of(alone([&] { return deployment_.lumen(); }));
+    return rows_of(run_exclusively([&] { return deployment_.lumen(); }));
   }
   std::vector<DeviceShape> devices() {
-    return alone([&] { return deployment_.snapshot().devices; });
+    return run_exclusively([&] { return deployment_.snapshot().devices; });
   }
   Result result() {
-    return alone([&] {
+    return run_exclusively([&] {
       DeploymentResult d = deployment_.result();
       json figures = readouts(scene_, vessel_.lumen, vessel_.paths, d);
       return Result{std::move(d), vessel_.lumen.triangles, std::move(figures)};
@@ -197,8 +200,8 @@ private:
   std::recursive_mutex mutex_; ///< recursive: a logger may ask for the state
 };
 
-std::unique_ptr<Session> session(const Vessel& vessel, const py::dict& devices, const py::sequence& steps,
-                                 double map_pa, const py::dict& wall, const py::dict& numerics, const Log& log) {
+std::unique_ptr<Session> make_session(const Vessel& vessel, const py::dict& devices, const py::sequence& steps,
+                                      double map_pa, const py::dict& wall, const py::dict& numerics, const Log& log) {
   Scene scene = scene_of(vessel, devices, steps, map_pa, wall, numerics);
   const py::gil_scoped_release released;
   return std::make_unique<Session>(vessel, std::move(scene), log);
@@ -206,7 +209,7 @@ std::unique_ptr<Session> session(const Vessel& vessel, const py::dict& devices, 
 
 Result deploy_all(const Vessel& vessel, const py::dict& devices, const py::sequence& steps, double map_pa,
                   const py::dict& wall, const py::dict& numerics, const Log& log) {
-  const std::unique_ptr<Session> deployment = session(vessel, devices, steps, map_pa, wall, numerics, log);
+  const std::unique_ptr<Session> deployment = make_session(vessel, devices, steps, map_pa, wall, numerics, log);
   deployment->run();
   return deployment->result();
 }
@@ -217,12 +220,12 @@ PointRows radius_corrected(const Vessel& vessel, const py::dict& devices, const 
   return rows_of(correct_radius(scene, vessel.lumen, vessel.paths));
 }
 
-constexpr const char* arguments = R"(
+constexpr const char* argument_docs = R"(
 
 lumen: Lumen before the procedure.
 devices: {name: entry}, as `devices` of scene.json (docs/design.md).
 steps: list of steps, as `procedure` of scene.json.)";
-constexpr const char* options = R"(
+constexpr const char* option_docs = R"(
 map_pa: mean arterial pressure, Pa.
 wall, numerics: settings off their defaults, as in scene.json (vci/settings.md).
 log: function that takes each line of progress and warnings; None for silence.
@@ -301,12 +304,12 @@ Raises InputError where lengths differ or a value is not possible.)")
           "centreline", [](const Result& r) { return arrays_of(r.deployment.paths); },
           "{branch: (k, 3) mm} after the procedure")
       .def_property_readonly(
-          "readouts", [](const Result& r) { return object_of(r.readouts); },
+          "readouts", [](const Result& r) { return python_object(r.readouts); },
           "the document deployment.json (docs/design.md): areas, expansion, recoil, stages, warnings");
 
   py::class_<Session>(m, "Deployment",
-                      (std::string("A procedure that runs one step at a time.") + arguments + options).c_str())
-      .def(py::init(&session), py::arg("lumen"), py::arg("devices"), py::arg("steps"), py::kw_only(),
+                      (std::string("A procedure that runs one step at a time.") + argument_docs + option_docs).c_str())
+      .def(py::init(&make_session), py::arg("lumen"), py::arg("devices"), py::arg("steps"), py::kw_only(),
            py::arg("map_pa") = Scene{}.map_pa, py::arg("wall") = py::dict(), py::arg("numerics") = py::dict(),
            py::arg("log") = py::none())
       .def("step", &Session::step, "Runs the next step. Raises ComputationError, RuntimeError where none is left.")
@@ -321,10 +324,10 @@ Raises InputError where lengths differ or a value is not possible.)")
   m.def("deploy", &deploy_all, py::arg("lumen"), py::arg("devices"), py::arg("steps"), py::kw_only(),
         py::arg("map_pa") = Scene{}.map_pa, py::arg("wall") = py::dict(), py::arg("numerics") = py::dict(),
         py::arg("log") = py::none(),
-        (std::string("Runs a procedure and returns its Result.") + arguments + options).c_str());
+        (std::string("Runs a procedure and returns its Result.") + argument_docs + option_docs).c_str());
   m.def("radius_correct", &radius_corrected, py::arg("lumen"), py::arg("devices"), py::arg("steps"),
         (std::string("The baseline without mechanics: the radius along the stented span becomes the device's.\n"
                      "Returns points (n, 3) mm.") +
-         arguments)
+         argument_docs)
             .c_str());
 }

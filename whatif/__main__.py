@@ -9,15 +9,15 @@ from common.files import write_json, write_table
 from whatif.case import Case
 
 
-def case_of(options):
+def case_from_options(options):
     """The whatif.case.Case that the command-line options name."""
     return Case(options.case_dir, options.programs, options.edge, options.spacing)
 
 
 def run_plans(options):
-    from whatif.plans import ranked
+    from whatif.plans import rank_plans
 
-    table, plans = ranked(case_of(options), options.devices, options.states)
+    table, plans = rank_plans(case_from_options(options), options.devices, options.states)
     write_json(options.out.with_name("plans.json"), plans)
     write_table(options.out, table)
 
@@ -28,38 +28,38 @@ def run_deploy(options):
     plans = json_reader.read(options.plans, "plans.json of `whatif plans`").data
     if options.plan not in plans:
         raise InputError("no such plan", options.plans, options.plan, f"one of {', '.join(plans)}")
-    deploy(case_of(options), plans[options.plan], options.devices, options.out)
+    deploy(case_from_options(options), plans[options.plan], options.devices, options.out)
 
 
 def run_lumens(options):
-    from whatif.lumens import ffr_of
+    from whatif.lumens import ffr_of_lumens
 
-    write_json(options.out, ffr_of(case_of(options), options.lumens, options.states))
+    write_json(options.out, ffr_of_lumens(case_from_options(options), options.lumens, options.states))
 
 
 def run_sensitivity(options):
     from whatif import sensitivity
 
-    of = {"flow": sensitivity.of_flow, "deployment": sensitivity.of_deployment}[options.command]
-    table, spread = of(case_of(options), options.config)
-    write_table(options.intervals, spread)
+    analyse = {"flow": sensitivity.flow_sensitivity, "deployment": sensitivity.deployment_sensitivity}[options.command]
+    table, intervals = analyse(case_from_options(options), options.config)
+    write_table(options.intervals, intervals)
     write_table(options.out, table)
 
 
 def parser():
     """The argument parser of all commands."""
     path = pathlib.Path
-    top = argparse.ArgumentParser(prog="whatif", description=__doc__)
-    commands = top.add_subparsers(dest="command", required=True)
+    root = argparse.ArgumentParser(prog="whatif", description=__doc__)
+    commands = root.add_subparsers(dest="command", required=True)
     plans = commands.add_parser("plans", help="other plans of a case, deployed and ranked -> ranking.csv, plans.json")
     plans.add_argument("--devices", type=path, default=path("config/devices"), help="folder of device families")
     plans.add_argument("--states", nargs="+", required=True, help="states with an FFR: the reduced model's error")
     plans.set_defaults(run=run_plans)
-    one = commands.add_parser("deploy", help="one of those plans: its lumen and anatomy, for the flow in 3D")
-    one.add_argument("plan", help="its name in plans.json")
-    one.add_argument("--plans", type=path, required=True, help="plans.json")
-    one.add_argument("--devices", type=path, default=path("config/devices"), help="folder of device families")
-    one.set_defaults(run=run_deploy)
+    deploy = commands.add_parser("deploy", help="one of those plans: its lumen and anatomy, for the flow in 3D")
+    deploy.add_argument("plan", help="its name in plans.json")
+    deploy.add_argument("--plans", type=path, required=True, help="plans.json")
+    deploy.add_argument("--devices", type=path, default=path("config/devices"), help="folder of device families")
+    deploy.set_defaults(run=run_deploy)
     lumens = commands.add_parser("lumens", help="FFR of given lumens by the calibrated network -> a JSON file")
     lumens.add_argument("lumens", nargs="+", help="folders below the case's, each with an anatomy/")
     lumens.add_argument("--states", nargs="+", required=True, help="states with an FFR: the reduced model's error")
@@ -78,7 +78,7 @@ def parser():
         command.add_argument("--edge", type=float, default=0.4, help="of the deployed lumen, as `lumen process` (0.4)")
         command.add_argument("--spacing", type=float, default=0.5, help="of its sections, mm (0.5)")
         command.add_argument("--out", type=path, required=True, help="the file; of deploy a folder")
-    return top
+    return root
 
 
 @guarded

@@ -18,20 +18,20 @@ from flow.geometry.centreline import Branch
 from flow.reduced import flow_range, network
 from whatif.case import BEFORE, PLANNED
 
-OTHERS = ("reference", "rc", "rc_stent", "ct", "ct_vci", "ct_rc", "post")
+VALIDATION_STATES = ("reference", "rc", "rc_stent", "ct", "ct_vci", "ct_rc", "post")
 PROBE = "distal"
 
 
-def network_loss(lumen, document, expansion_loss):
-    """1 - FFR at the probe `distal` by the network. lumen: (anatomy.json, sections); document: of boundary.json."""
+def network_loss(lumen, boundary, expansion_loss):
+    """1 - FFR at the probe `distal` by the network. lumen: (anatomy.json, sections); boundary: its JSON."""
     anatomy, sections = lumen
-    probe = next(one for one in document["probes"] if one["name"] == PROBE)
-    place = axis_of(sections, probe["branch"]).project(np.array(probe["point_mm"]))[0]
-    model = network.Network(anatomy, sections, document, expansion_loss)
-    return flow_range.loss_at(model, (probe["branch"], place))
+    probe = next(one for one in boundary["probes"] if one["name"] == PROBE)
+    s_mm = branch_axis(sections, probe["branch"]).project(np.array(probe["point_mm"]))[0]
+    model = network.Network(anatomy, sections, boundary, expansion_loss)
+    return flow_range.loss_at(model, (probe["branch"], s_mm))
 
 
-def axis_of(sections, branch):
+def branch_axis(sections, branch):
     """The flow.geometry.centreline.Branch through a branch's sections."""
     rows = sections[sections["branch"] == branch].sort_values("s_mm")
     points = rows[["x_mm", "y_mm", "z_mm"]].to_numpy(float)
@@ -42,23 +42,23 @@ def axis_of(sections, branch):
 class Calibration:
     """Points for converting a loss of the network to a loss of the 3D model, and the error of the FFR so found.
 
-    model, solved: losses (1 - FFR) of the network and of the 3D model in the same lumens, from 0 upwards.
+    network_losses, losses_3d: losses (1 - FFR) of the network and of the 3D model in the same lumens, from 0 upwards.
     """
 
-    model: np.ndarray
-    solved: np.ndarray
+    network_losses: np.ndarray
+    losses_3d: np.ndarray
     error: float
     states: tuple  # states whose 3D answers gave the error
 
     def ffr(self, loss):
         """FFR, at least 0, of a lumen in which the network has the given loss."""
-        last = self.solved[-1] * loss / self.model[-1]
-        within = float(np.interp(loss, self.model, self.solved))
-        return max(0.0, 1.0 - (within if loss <= self.model[-1] else float(last)))
+        extrapolated = self.losses_3d[-1] * loss / self.network_losses[-1]
+        interpolated = float(np.interp(loss, self.network_losses, self.losses_3d))
+        return max(0.0, 1.0 - (interpolated if loss <= self.network_losses[-1] else float(extrapolated)))
 
 
-def points_of(planned, before):
-    """(model, solved) of a Calibration.
+def calibration_points(planned, before):
+    """(network_losses, losses_3d) of a Calibration.
 
     planned, before: (loss of the network, loss of the 3D model) after the planned procedure and before it. A point is
     left out if one of its losses does not exceed that of the last point: a lesion without pressure loss calibrates
@@ -73,28 +73,32 @@ def points_of(planned, before):
     return (np.array(column) for column in zip(*points))
 
 
-def calibrate(case, states=OTHERS):
-    """Calibration of a Case on its states `pre` and `vci`. The error is measured in those of `states` in OTHERS.
+def calibrate(case, states=VALIDATION_STATES):
+    """Calibration of a Case on its states `pre` and `vci`. Its error is that in further `states`.
+
+    Only `states` that are also in VALIDATION_STATES count.
 
     Raises InputError if a file is missing, or if neither `pre` nor `vci` has a pressure loss.
     """
-    wanted = [BEFORE, PLANNED, *(state for state in states if state in OTHERS)]
-    answers = {state: case.answer(state) for state in wanted}
+    wanted = [BEFORE, PLANNED, *(state for state in states if state in VALIDATION_STATES)]
+    answers = {state: case.flow_result(state) for state in wanted}
     losses = {
         state: (
-            network_loss(case.lumen(case.anatomy(state)), case.boundary, case.flow.expansion_loss),
+            network_loss(case.lumen(case.anatomy(state)), case.boundary, case.flow_settings.expansion_loss),
             1 - answer["ffr"],
         )
         for state, answer in answers.items()
     }
-    model, solved = points_of(losses[PLANNED], losses[BEFORE])
-    found = Calibration(model, solved, 0.0, ())
-    others = tuple(state for state in losses if state in OTHERS)
-    missed = [abs(found.ffr(losses[state][0]) - answers[state]["ffr"]) for state in others]
-    own = [estimate_of(answer) for answer in answers.values()]
-    return Calibration(model, solved, max(missed + [value for value in own if value is not None], default=0.0), others)
+    model, solved = calibration_points(losses[PLANNED], losses[BEFORE])
+    calibration = Calibration(model, solved, 0.0, ())
+    others = tuple(state for state in losses if state in VALIDATION_STATES)
+    deviations = [abs(calibration.ffr(losses[state][0]) - answers[state]["ffr"]) for state in others]
+    estimates = [error_estimate(answer) for answer in answers.values()]
+    return Calibration(
+        model, solved, max(deviations + [value for value in estimates if value is not None], default=0.0), others
+    )
 
 
-def estimate_of(answer):
+def error_estimate(answer):
     """The error estimate of an ffr.json; None if the model gives none."""
     return (answer.get("error_estimate") or {}).get("ffr")

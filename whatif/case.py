@@ -48,17 +48,17 @@ class Case:
         return document
 
     @functools.cached_property
-    def flow(self):
+    def flow_settings(self):
         """The settings of the section `flow`."""
         return flow_settings.make(**self.json("settings/flow.json"))
 
     @functools.cached_property
-    def tree(self):
+    def centrelines(self):
         """The centrelines before the procedure."""
         return centreline.read(self.anatomy() / "centreline.vtp")
 
     @functools.cached_property
-    def before(self):
+    def anatomy_before(self):
         """anatomy.json before the procedure."""
         return lumen_summary.read(self.anatomy() / "anatomy.json", "ends", "branches")
 
@@ -67,12 +67,12 @@ class Case:
         summary = lumen_summary.read(anatomy_folder / "anatomy.json", "branches")
         return summary, network.read_sections(anatomy_folder / "sections.csv")
 
-    def answer(self, state):
+    def flow_result(self, state):
         """ffr.json of a state. Raises InputError."""
         return self.json(f"flow/{state}/ffr.json")
 
 
-def patient_of(case_file):
+def read_patient(case_file):
     """(patient, measured) of a case file: the patient's data, and the FFR by pressure wire or None."""
     document = config.load_case(case_file)
     return document["patient"], document.get("measured")

@@ -21,7 +21,7 @@ class Input:
     """low, planned, high: values in `unit`. scale: `linear` or `log`, the scale on which samples are uniform."""
 
     name: str
-    words: str
+    label: str
     low: float
     planned: float
     high: float
@@ -29,51 +29,57 @@ class Input:
     scale: str = "linear"
 
 
-def inputs_of(patient, settings, outlets):
+def uncertain_inputs(patient, settings, outlets):
     """[Input] of a patient's flow. settings: of the section `flow`; outlets: number of the vessel's outlets."""
-    found = [Input("blood_pressure", "blood pressure", -10.0, 0.0, 10.0, "mmHg")]
+    inputs = [Input("blood_pressure", "blood pressure", -10.0, 0.0, 10.0, "mmHg")]
     if patient.get("hyperaemic_inflow_ml_per_min") is not None:
-        found.append(Input("flow", "measured flow", -10.0, 0.0, 10.0, "%"))
+        inputs.append(Input("flow", "measured flow", -10.0, 0.0, 10.0, "%"))
     else:
         if patient.get("cardiac_output_l_per_min") is None:
-            found.append(
+            inputs.append(
                 Input(
                     "mass",
                     "left ventricular mass",
-                    -PER_CENT * hyperaemia.MASS_OFF,
+                    -PER_CENT * hyperaemia.MASS_ERROR,
                     0.0,
-                    PER_CENT * hyperaemia.MASS_OFF,
+                    PER_CENT * hyperaemia.MASS_ERROR,
                     "%",
                 )
             )
-        spread = PER_CENT * hyperaemia.PER_GRAM_SD / hyperaemia.PER_GRAM
-        found.append(Input("hyperaemia", "response to adenosine, 1 SD", -spread, 0.0, spread, "%"))
-        found += _territory(patient, settings)
+        spread = PER_CENT * hyperaemia.FLOW_PER_GRAM_SD / hyperaemia.FLOW_PER_GRAM
+        inputs.append(Input("hyperaemia", "response to adenosine, 1 SD", -spread, 0.0, spread, "%"))
+        inputs += _territory_input(patient, settings)
     if outlets > 1:
-        found.append(Input("split_exponent", "exponent of the split", 2.0, settings.split_exponent, 3.0, ""))
-        found.append(Input("outlet_diameter", "main outlet's diameter", -10.0, 0.0, 10.0, "%"))
-    return found
+        inputs.append(Input("split_exponent", "exponent of the split", 2.0, settings.split_exponent, 3.0, ""))
+        inputs.append(Input("outlet_diameter", "main outlet's diameter", -10.0, 0.0, 10.0, "%"))
+    return inputs
 
 
-def _territory(patient, settings):
+def _territory_input(patient, settings):
     """[Input] of the change of flow, in per cent, by the territory that the vessel may feed; or [].
 
     It goes from the smallest to the largest plausible flow.
     """
-    off = [
+    changes = [
         PER_CENT * (entry["factor"] - 1)
-        for entry in hyperaemia.plausible(patient, settings.hyperaemia_fraction)
+        for entry in hyperaemia.plausible_flows(patient, settings.hyperaemia_fraction)
         if entry["what"].startswith("territory") and entry["what"].split()[1] in (*TERRITORIES, "-1", "+1")
     ]
-    return [Input("territory", "territory that the vessel feeds", min(off), 0.0, max(off), "%")] if off else []
+    return (
+        [Input("territory", "territory that the vessel feeds", min(changes), 0.0, max(changes), "%")] if changes else []
+    )
 
 
-def boundary_at(case, patient, measured, values):
+def boundary_with_inputs(case, patient, measured, values):
     """The content of boundary.json of a case (whatif.case.Case) with some inputs at other values.
 
     values: {name of an Input: value in its unit}; inputs that are not named stay as planned.
     """
-    patient, settings, anatomy = copy.deepcopy(patient), copy.copy(case.flow), copy.deepcopy(case.before)
+    patient, settings, anatomy = (
+        copy.deepcopy(patient),
+        copy.copy(case.flow_settings),
+        copy.deepcopy(case.anatomy_before),
+    )
     for key in ("sbp_mmhg", "dbp_mmhg"):
         patient[key] += values.get("blood_pressure", 0.0)
     if "mass" in values:
@@ -81,13 +87,13 @@ def boundary_at(case, patient, measured, values):
     if "flow" in values:
         patient["hyperaemic_inflow_ml_per_min"] *= 1 + values["flow"] / PER_CENT
     settings.split_exponent = values.get("split_exponent", settings.split_exponent)
-    first = next(end for end in anatomy["ends"] if end["kind"] == "outlet")
-    first["diameter_mm"] *= 1 + values.get("outlet_diameter", 0.0) / PER_CENT
-    document = boundary.make(anatomy, case.tree, patient, settings, measured)
+    main_outlet = next(end for end in anatomy["ends"] if end["kind"] == "outlet")
+    main_outlet["diameter_mm"] *= 1 + values.get("outlet_diameter", 0.0) / PER_CENT
+    document = boundary.make(anatomy, case.centrelines, patient, settings, measured)
     if patient.get("hyperaemic_inflow_ml_per_min") is not None:
         lumen = case.lumen(case.anatomy())
-        return flow_range.with_inflow(document, lambda d: network.Network(*lumen, d, settings.expansion_loss))
+        return flow_range.fit_resistances(document, lambda d: network.Network(*lumen, d, settings.expansion_loss))
     factor = 1.0
     for name in ("hyperaemia", "territory"):
         factor *= 1 + values.get(name, 0.0) / PER_CENT
-    return flow_range.scaled(document, factor)
+    return flow_range.scale_flow(document, factor)

@@ -8,7 +8,7 @@ SCHEMA = "vci-network-ffr-1"
 MODEL = "1D network, calibrated"
 
 
-def ffr_of(case, names, states):
+def ffr_of_lumens(case, names, states):
     """The content of ffr.json for some lumens of a case.
 
     names: the lumens' folders, relative to the case's folder, each with an `anatomy/`. states: states with a 3D answer,
@@ -17,16 +17,25 @@ def ffr_of(case, names, states):
     """
     if PLANNED not in states:
         raise InputError("no planned procedure to calibrate on", "--states", " ".join(states), f"name {PLANNED} too")
-    found, lumens = calibrated.calibrate(case, states), {}
+    calibration, lumens = calibrated.calibrate(case, states), {}
     for name in names:
         lumen = case.lumen(case.folder / name / "anatomy")
-        loss = calibrated.network_loss(lumen, case.boundary, case.flow.expansion_loss)
-        lumens[name.rpartition("/")[2]] = {"ffr": found.ffr(loss), "at": place(found.model, loss)}
-    return {"schema": SCHEMA, "model": MODEL, "error": found.error, "error_from": list(found.states), "lumens": lumens}
+        loss = calibrated.network_loss(lumen, case.boundary, case.flow_settings.expansion_loss)
+        lumens[name.rpartition("/")[2]] = {
+            "ffr": calibration.ffr(loss),
+            "at": calibration_range(calibration.network_losses, loss),
+        }
+    return {
+        "schema": SCHEMA,
+        "model": MODEL,
+        "error": calibration.error,
+        "error_from": list(calibration.states),
+        "lumens": lumens,
+    }
 
 
-def place(model, loss):
-    """Says where the network's loss lies among the losses of the calibration (`model`, ascending from 0)."""
-    if loss > model[-1]:
+def calibration_range(network_losses, loss):
+    """Says where the network's loss lies among the losses of the calibration (`network_losses`, ascending from 0)."""
+    if loss > network_losses[-1]:
         return "beyond"
-    return "below" if loss <= model[1] else "between"
+    return "below" if loss <= network_losses[1] else "between"

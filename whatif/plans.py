@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from vtk.util.numpy_support import vtk_to_numpy
 
-from anatomy.measured import read_summary
+from anatomy.lumen_results import read_summary
 from anatomy.planning.plan import procedure
 from common import vtp
 from common.documents import config, json_reader
@@ -29,7 +29,7 @@ COLUMNS += ["warnings", "procedure", "status", "lumen_sha256"]
 DEPLOYED = "deployed"
 
 
-def ranked(case, devices_folder, states):
+def rank_plans(case, devices_folder, states):
     """(DataFrame of ranking.csv, {plan: steps as a case file lists them}) of a case (whatif.case.Case).
 
     states: states with a 3D answer, which calibrate the network and give its error. First come the plans whose FFR does
@@ -37,21 +37,21 @@ def ranked(case, devices_folder, states):
     Last come plans without an answer; their `status` says why.
     """
     families, calibration = config.load_devices(devices_folder), calibrated.calibrate(case, states)
-    steps = alternatives.requests(case.scene)
+    steps = alternatives.case_steps(case.scene)
     rows = [planned_row(case, calibration, steps)]
     plans = {"planned": steps}
     with tempfile.TemporaryDirectory(dir=case.folder, prefix=".plans-") as folder:
-        for name, (words, other, reason) in alternatives.all_of(steps, families).items():
-            row = {"plan": name, "change": words, "status": reason}
-            if other is not None:
-                plans[name] = other
-                row |= alternative_row(case, calibration, families, other, pathlib.Path(folder) / name)
+        for name, (description, changed_steps, reason) in alternatives.all_alternatives(steps, families).items():
+            row = {"plan": name, "change": description, "status": reason}
+            if changed_steps is not None:
+                plans[name] = changed_steps
+                row |= alternative_row(case, calibration, families, changed_steps, pathlib.Path(folder) / name)
             rows.append(row)
-    table = ordered(pd.DataFrame(rows).reindex(columns=COLUMNS), calibration.error)
+    table = sort_by_rank(pd.DataFrame(rows).reindex(columns=COLUMNS), calibration.error)
     return table, {name: plans[name] for name in table["plan"] if name in plans}
 
 
-def ordered(table, error):
+def sort_by_rank(table, error):
     """The rows of ranking.csv sorted by rank, with their columns rank, ffr_error and as_good_as_best.
 
     error: of each FFR. Two plans differ if their FFRs differ by more than both errors together.
@@ -71,7 +71,7 @@ def ordered(table, error):
 
 def planned_row(case, calibration, steps):
     """The row (dict) of the given plan, from the results of the study."""
-    answer = case.answer(PLANNED)
+    answer = case.flow_result(PLANNED)
     deployed = case.folder / "vci" / "deployment.json"
     deployment = json_reader.read(deployed, "deployment.json", "run `vci deploy` on the planned scene").data
     row = {
@@ -80,20 +80,24 @@ def planned_row(case, calibration, steps):
         "ffr_3d": answer["models"].get("3d", {}).get("ffr"),
         "status": DEPLOYED,
     }
-    return row | outcome(case, calibration, deployment, case.folder / "vci" / "lumen.vtp", case.anatomy(PLANNED), steps)
+    return row | deployment_columns(
+        case, calibration, deployment, case.folder / "vci" / "lumen.vtp", case.anatomy(PLANNED), steps
+    )
 
 
 def alternative_row(case, calibration, families, steps, folder):
     """The columns of another plan's row (dict); only `status` and `procedure` if the plan has no answer."""
     try:
-        scene = scene_of(case, families, steps)
+        scene = scene_with_steps(case, families, steps)
     except InputError as error:  # the catalogue or the vessel does not allow this plan
-        return {"status": f"{error.what}: {error.value}", "procedure": in_words(steps)}
+        return {"status": f"{error.what}: {error.value}", "procedure": describe_steps(steps)}
     try:
-        deployment, anatomy = engine.deployed(case, scene, folder)
-    except engine.Refused as error:
-        return {"status": error.reason, "procedure": in_words(steps)}
-    return {"status": DEPLOYED} | outcome(case, calibration, deployment, folder / "lumen.vtp", anatomy, steps)
+        deployment, anatomy = engine.deploy_and_measure(case, scene, folder)
+    except engine.ProcedureFailed as error:
+        return {"status": error.reason, "procedure": describe_steps(steps)}
+    return {"status": DEPLOYED} | deployment_columns(
+        case, calibration, deployment, folder / "lumen.vtp", anatomy, steps
+    )
 
 
 def deploy(case, steps, devices_folder, folder):
@@ -101,31 +105,31 @@ def deploy(case, steps, devices_folder, folder):
 
     steps: as plans.json lists them.
     """
-    engine.deployed(case, scene_of(case, config.load_devices(devices_folder), steps), folder)
+    engine.deploy_and_measure(case, scene_with_steps(case, config.load_devices(devices_folder), steps), folder)
 
 
-def scene_of(case, families, steps):
+def scene_with_steps(case, families, steps):
     """The content of scene.json with other steps. Raises InputError.
 
     All plans are measured along the segment of the given plan. The segment of a shorter stent would leave out the part
     of the lesion that this stent does not cover.
     """
-    done = procedure(steps, families, read_summary(case.anatomy()), "plan")
-    return case.scene | done | {"segment": case.scene["segment"]}
+    changed = procedure(steps, families, read_summary(case.anatomy()), "plan")
+    return case.scene | changed | {"segment": case.scene["segment"]}
 
 
-def outcome(case, calibration, deployment, lumen_file, anatomy, steps):
+def deployment_columns(case, calibration, deployment, lumen_file, anatomy, steps):
     """The columns of ranking.csv for a deployed lumen: FFR, results of the deployment, and steps in words.
 
     lumen_file: lumen.vtp of the deployment. anatomy: folder of the lumen's anatomy.
     """
-    loss = calibrated.network_loss(case.lumen(anatomy), case.boundary, case.flow.expansion_loss)
+    loss = calibrated.network_loss(case.lumen(anatomy), case.boundary, case.flow_settings.expansion_loss)
     return {
         "ffr": calibration.ffr(loss),
         **{column: deployment.get(key) for column, key in READOUTS.items()},
         "wall_stretch": wall_stretch(lumen_file),
         "warnings": "; ".join(deployment.get("warnings", [])),
-        "procedure": in_words(steps),
+        "procedure": describe_steps(steps),
         "lumen_sha256": fingerprint(surface.read(anatomy / "lumen.vtp"), centreline.read(anatomy / "centreline.vtp")),
     }
 
@@ -138,7 +142,7 @@ def wall_stretch(lumen_file):
     return float(np.percentile(stretch[moved], STRETCH_PERCENTILE))
 
 
-def in_words(steps):
+def describe_steps(steps):
     """All steps in one line, as a clinician writes them."""
     return "; ".join(
         f"{step['action'].replace('_', ' ')}: "

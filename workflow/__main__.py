@@ -9,15 +9,17 @@ from common.errors import InputError, UserError, guarded
 
 
 def run_validate(options):
-    from flow.inputs.boundary import doubts
+    from flow.inputs.boundary import patient_warnings
     from workflow.configuration import Configuration
 
-    found = Configuration(options.folder)
-    for name, case in found.cases.items():
-        fraction = found.settings(name)["flow"]["hyperaemia_fraction"]
-        for said in doubts(case["patient"], case.get("measured"), fraction):
-            print(f"warning: {found.case_file(name)}: {said}", file=sys.stderr)
-    print(f"{options.folder}: {len(found.cases)} cases and {len(found.devices)} device families are valid")
+    configuration = Configuration(options.folder)
+    for name, case in configuration.cases.items():
+        fraction = configuration.settings(name)["flow"]["hyperaemia_fraction"]
+        for doubt in patient_warnings(case["patient"], case.get("measured"), fraction):
+            print(f"warning: {configuration.case_file(name)}: {doubt}", file=sys.stderr)
+    print(
+        f"{options.folder}: {len(configuration.cases)} cases and {len(configuration.devices)} device families are valid"
+    )
 
 
 def run_scene(options):
@@ -51,10 +53,10 @@ def run_verify(options):
 def run_failed(options):
     from workflow.failed import write_failed
 
-    found = write_failed(options.out, options.results, options.since)
-    for step in found:
+    steps = write_failed(options.out, options.results, options.since)
+    for step in steps:
         print(f"{step['case']} failed at {step['step']}: {step['message'].splitlines()[0]}", file=sys.stderr)
-    if not found:
+    if not steps:
         sys.exit(1)
 
 
@@ -66,16 +68,16 @@ def run_agreement(options):
 
 
 def run_cohort(options):
-    from workflow.cohort import prepare, projected, run
+    from workflow.cohort import draw_shards, projected_costs, run_shards
 
-    begin = time.monotonic()
-    shards = prepare(options.count, options.seed, options.out, options.folder, options.full)
-    rows = run(shards, options.cores, dry=options.dry_run, keep_all=options.keep_all)
+    start = time.monotonic()
+    shards = draw_shards(options.count, options.seed, options.out, options.folder, options.full)
+    rows = run_shards(shards, options.cores, dry_run=options.dry_run, keep_all=options.keep_all)
     total = {key: sum(row[key] for row in rows) for key in ("patients", "finished", "cpu_s", "kept_mb")}
-    done = "planned" if options.dry_run else f"finished {total['finished']} of"
-    print(f"{done} {total['patients']} patients in {len(rows)} shards: {time.monotonic() - begin:.0f} s,", end=" ")
+    outcome = "planned" if options.dry_run else f"finished {total['finished']} of"
+    print(f"{outcome} {total['patients']} patients in {len(rows)} shards: {time.monotonic() - start:.0f} s,", end=" ")
     print(f"{total['cpu_s']:.0f} s of processor time in Snakemake; {total['kept_mb']:.0f} MB kept")
-    for row in [] if options.dry_run else projected(options.out, options.cores):
+    for row in [] if options.dry_run else projected_costs(options.out, options.cores):
         print(", ".join(f"{key} {value}" for key, value in row.items()))
     refused = [row["shard"] for row in rows if options.dry_run and row["exit_code"]]
     if refused:
@@ -108,35 +110,35 @@ def main(arguments=None):
     scene.add_argument("--out", type=pathlib.Path, required=True, help="scene.json, in the plan's folder")
     scene.set_defaults(run=run_scene)
     folder, results = pathlib.Path("config"), pathlib.Path("results")
-    made = commands.add_parser("provenance", help="hashes, versions, seeds and commands of a finished study")
-    made.add_argument("--folder", type=pathlib.Path, default=folder, help="of the configuration (config)")
-    made.add_argument("--cases", nargs="+", required=True, help="names of the study's cases")
-    made.add_argument("--results", type=pathlib.Path, default=results, help="root of the products (results)")
-    made.add_argument("--programs", nargs="+", type=pathlib.Path, required=True, help="vci and lumen")
-    made.add_argument("--software", type=pathlib.Path, required=True, help="software.json of the study")
-    made.add_argument("--out", type=pathlib.Path, required=True, help="provenance.json")
-    made.set_defaults(run=run_provenance)
+    provenance = commands.add_parser("provenance", help="hashes, versions, seeds and commands of a finished study")
+    provenance.add_argument("--folder", type=pathlib.Path, default=folder, help="of the configuration (config)")
+    provenance.add_argument("--cases", nargs="+", required=True, help="names of the study's cases")
+    provenance.add_argument("--results", type=pathlib.Path, default=results, help="root of the products (results)")
+    provenance.add_argument("--programs", nargs="+", type=pathlib.Path, required=True, help="vci and lumen")
+    provenance.add_argument("--software", type=pathlib.Path, required=True, help="software.json of the study")
+    provenance.add_argument("--out", type=pathlib.Path, required=True, help="provenance.json")
+    provenance.set_defaults(run=run_provenance)
     manifest = commands.add_parser("manifest", help="what a finished study must give again on another machine")
     manifest.add_argument("--results", type=pathlib.Path, default=results, help="root of the products (results)")
     manifest.add_argument("--out", type=pathlib.Path, required=True, help="config/manifests/<cohort>.json")
     manifest.set_defaults(run=run_manifest)
-    compare = commands.add_parser("verify", help="compare a study with a manifest; exit code 3 where they differ")
-    compare.add_argument("--manifest", type=pathlib.Path, required=True, help="config/manifests/<cohort>.json")
-    compare.add_argument("--results", type=pathlib.Path, default=results, help="root of the products (results)")
-    compare.set_defaults(run=run_verify)
+    verify = commands.add_parser("verify", help="compare a study with a manifest; exit code 3 where they differ")
+    verify.add_argument("--manifest", type=pathlib.Path, required=True, help="config/manifests/<cohort>.json")
+    verify.add_argument("--results", type=pathlib.Path, default=results, help="root of the products (results)")
+    verify.set_defaults(run=run_verify)
     words = "the steps of cases that failed; exit code 1, and no file, where none did"
     failed = commands.add_parser("failed", help=words)
     failed.add_argument("--results", type=pathlib.Path, default=results, help="root of the products (results)")
     failed.add_argument("--since", type=float, default=0.0, help="only from this time on, in seconds since 1970 (0)")
     failed.add_argument("--out", type=pathlib.Path, required=True, help="failed.json, for `snakemake --config failed=`")
     failed.set_defaults(run=run_failed)
-    agree = commands.add_parser(
+    agreement = commands.add_parser(
         "agreement", help="a page on a study beside the manifest of another system; exit code 3"
     )
-    agree.add_argument("--manifest", type=pathlib.Path, required=True, help="config/manifests/<cohort>.json")
-    agree.add_argument("--results", type=pathlib.Path, default=results, help="root of the products (results)")
-    agree.add_argument("--out", type=pathlib.Path, required=True, help="Markdown page")
-    agree.set_defaults(run=run_agreement)
+    agreement.add_argument("--manifest", type=pathlib.Path, required=True, help="config/manifests/<cohort>.json")
+    agreement.add_argument("--results", type=pathlib.Path, default=results, help="root of the products (results)")
+    agreement.add_argument("--out", type=pathlib.Path, required=True, help="Markdown page")
+    agreement.set_defaults(run=run_agreement)
     cohort = commands.add_parser("cohort", help="draw patients and run them in shards, up to their metrics")
     cohort.add_argument("--count", type=int, required=True, help="number of patients")
     cohort.add_argument("--seed", type=int, required=True, help="patient k of a seed is the same whatever the count")
@@ -147,10 +149,12 @@ def main(arguments=None):
     cohort.add_argument("--keep-all", action="store_true", help="keep surfaces, meshes and fields of finished patients")
     cohort.add_argument("--dry-run", action="store_true", help="plan only")
     cohort.set_defaults(run=run_cohort)
-    alone = commands.add_parser("stent-alone", help="a plan with its stents' steps only")
-    alone.add_argument("plan", type=pathlib.Path, help="plan.json, made by `anatomy plan`")
-    alone.add_argument("--out", type=pathlib.Path, required=True, help="plan.json, in another folder of the same case")
-    alone.set_defaults(run=run_stent_alone)
+    stent_alone = commands.add_parser("stent-alone", help="a plan with its stents' steps only")
+    stent_alone.add_argument("plan", type=pathlib.Path, help="plan.json, made by `anatomy plan`")
+    stent_alone.add_argument(
+        "--out", type=pathlib.Path, required=True, help="plan.json, in another folder of the same case"
+    )
+    stent_alone.set_defaults(run=run_stent_alone)
     options = parser.parse_args(arguments)
     options.run(options)
 

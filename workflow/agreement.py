@@ -1,7 +1,7 @@
 """Compares a finished study with the manifest of a system that has other versions of the libraries.
 
 CGAL and gmsh make other surfaces and meshes on another Debian, so the files' bits differ. The patient's results must
-agree: areas and curvature within ALLOWED, FFR within the sum of both error estimates.
+agree: areas and curvature within RELATIVE_TOLERANCE, FFR within the sum of both error estimates.
 """
 
 import pathlib
@@ -9,10 +9,14 @@ import pathlib
 from common.errors import ComputationError
 from common.files import replacing
 from common.documents.json_reader import read
-from workflow.manifest import SCHEMA, manifest_of
+from workflow.manifest import SCHEMA, build_manifest
 
-ALLOWED = {"mean_area_mm2": 0.01, "minimum_area_mm2": 0.02, "mean_curvature_per_mm": 0.05}  # shares of the value
-NAMES = {
+RELATIVE_TOLERANCE = {
+    "mean_area_mm2": 0.01,
+    "minimum_area_mm2": 0.02,
+    "mean_curvature_per_mm": 0.05,
+}  # shares of the value
+QUANTITY_NAMES = {
     "mean_area_mm2": "mean area (mm²)",
     "minimum_area_mm2": "smallest area (mm²)",
     "mean_curvature_per_mm": "mean curvature (1/mm)",
@@ -27,27 +31,28 @@ def write_agreement(manifest, study, out):
     InputError if a file cannot be read. Raises ComputationError, after writing the page, if a number differs by more
     than is allowed.
     """
-    expected, found = read(manifest, SCHEMA).data, manifest_of(study)
+    expected, found = read(manifest, SCHEMA).data, build_manifest(study)
     cohort = pathlib.Path(manifest).stem
-    rows = compared(expected, found)
+    rows = compare_numbers(expected, found)
     with replacing(out) as partial:
-        partial.write_text(page(cohort, expected, found, rows))
-    beyond = [row for row in rows if not row["within"]]
-    if beyond:
+        partial.write_text(markdown_page(cohort, expected, found, rows))
+    deviating = [row for row in rows if not row["within"]]
+    if deviating:
         lines = "\n          ".join(
-            f"{row['case']}: {row['state']}: {row['key']} {_value(row, 'found')}" for row in beyond
+            f"{row['case']}: {row['state']}: {row['key']} {_format_value(row, 'found')}" for row in deviating
         )
         raise ComputationError(
-            f"{len(beyond)} of {len(rows)} numbers differ by more than is allowed", out, lines, "see the page"
+            f"{len(deviating)} of {len(rows)} numbers differ by more than is allowed", out, lines, "see the page"
         )
     return len(rows)
 
 
-def compared(expected, found):
-    """A row {case, state, key, expected, found, off, allowed, within} for each number of two manifests' documents.
+def compare_numbers(expected, found):
+    """A row for each number of two manifests' documents.
 
-    off: the difference. It is absolute for FFR and relative to `expected` for all other numbers. If the number is
-    missing, `found` and `off` are None and `within` is False.
+    Its keys are case, state, key, expected, found, difference, allowed and within. The difference is absolute for FFR
+    and relative to `expected` for all other numbers. If the number is missing, `found` and `difference` are None and
+    `within` is False.
     """
     rows = []
     for case, wanted in expected["cases"].items():
@@ -55,85 +60,102 @@ def compared(expected, found):
         for state, numbers in wanted["numbers"].items():
             others = states.get(state, {})
             estimates = sum(one.get("ffr_error_estimate") or 0.0 for one in (numbers, others))
-            for key in (key for key in NAMES if key in numbers):
-                value, other, allowed = numbers[key], others.get(key), ALLOWED.get(key, estimates)
-                off = None if other is None else (other - value) / (abs(value) if key in ALLOWED else 1.0)
-                row = {"case": case, "state": state, "key": key, "expected": value, "found": other, "off": off}
-                rows.append({**row, "allowed": allowed, "within": off is not None and abs(off) <= allowed})
+            for key in (key for key in QUANTITY_NAMES if key in numbers):
+                value, other, allowed = numbers[key], others.get(key), RELATIVE_TOLERANCE.get(key, estimates)
+                difference = (
+                    None if other is None else (other - value) / (abs(value) if key in RELATIVE_TOLERANCE else 1.0)
+                )
+                row = {
+                    "case": case,
+                    "state": state,
+                    "key": key,
+                    "expected": value,
+                    "found": other,
+                    "difference": difference,
+                }
+                rows.append(
+                    {**row, "allowed": allowed, "within": difference is not None and abs(difference) <= allowed}
+                )
     return rows
 
 
-def page(cohort, expected, found, rows):
-    """The comparison as Markdown. cohort: its name; expected, found: as for `compared`, whose result is `rows`."""
-    before, now = expected["made_on"], found["made_on"]
-    there, here = before["system"], now["system"]
-    off = [row for row in rows if not row["within"]]
+def markdown_page(cohort, expected, found, rows):
+    """The comparison as Markdown. cohort: its name; expected, found, rows: arguments, result of `compare_numbers`."""
+    shipped, present = expected["made_on"], found["made_on"]
+    shipped_system, this_system = _short_system_name(shipped["system"]), _short_system_name(present["system"])
+    deviating = [row for row in rows if not row["within"]]
     lines = [
-        f"# The {cohort} cohort on {_short(here)} and {_short(there)}",
+        f"# The {cohort} cohort on {this_system} and {shipped_system}",
         "",
-        f"Written by `python3 -m workflow agreement` on {_short(here)}; {_short(there)} is the manifest that ships.",
-        f"Of {len(rows)} numbers {len(rows) - len(off)} agree as far as is asked: areas within "
-        f"{ALLOWED['mean_area_mm2']:.0%} (mean) and {ALLOWED['minimum_area_mm2']:.0%} (smallest), "
-        f"mean curvature within {ALLOWED['mean_curvature_per_mm']:.0%}, FFR within both error estimates together.",
+        f"Written by `python3 -m workflow agreement` on {this_system}; {shipped_system} is the manifest that ships.",
+        f"Of {len(rows)} numbers {len(rows) - len(deviating)} agree as far as is asked: areas within "
+        f"{RELATIVE_TOLERANCE['mean_area_mm2']:.0%} (mean) and "
+        f"{RELATIVE_TOLERANCE['minimum_area_mm2']:.0%} (smallest), "
+        f"mean curvature within {RELATIVE_TOLERANCE['mean_curvature_per_mm']:.0%}, "
+        "FFR within both error estimates together.",
         "",
         "## Largest differences",
-        f"| | where | {_short(there)} | {_short(here)} | difference | allowed |",
+        f"| | where | {shipped_system} | {this_system} | difference | allowed |",
         "| --- | --- | --- | --- | --- | --- |",
-        *(_largest([row for row in rows if row["key"] == key]) for key in NAMES if any(r["key"] == key for r in rows)),
+        *(
+            _largest_difference_row([row for row in rows if row["key"] == key])
+            for key in QUANTITY_NAMES
+            if any(r["key"] == key for r in rows)
+        ),
         "",
         "## All numbers",
         "Over the treated segment, and FFR past the lesion. Bold is further off than allowed.",
         "",
-        f"| case | state | | {_short(there)} | {_short(here)} | difference | allowed |",
+        f"| case | state | | {shipped_system} | {this_system} | difference | allowed |",
         "| --- | --- | --- | --- | --- | --- | --- |",
-        *(_row(row) for row in rows),
+        *(_table_row(row) for row in rows),
         "",
         "## Files of the same bits",
         "| kind | files | the same bits |",
         "| --- | --- | --- |",
-        *_bits(expected, found),
+        *_identical_file_rows(expected, found),
         "",
         "## Versions that differ",
-        f"| package | {_short(there)} | {_short(here)} |",
+        f"| package | {shipped_system} | {this_system} |",
         "| --- | --- | --- |",
     ]
-    names = sorted(before["packages"].keys() | now["packages"].keys())
-    pairs = [(name, before["packages"].get(name, "none"), now["packages"].get(name, "none")) for name in names]
+    names = sorted(shipped["packages"].keys() | present["packages"].keys())
+    pairs = [(name, shipped["packages"].get(name, "none"), present["packages"].get(name, "none")) for name in names]
     lines += [f"| `{name}` | {one} | {other} |" for name, one, other in pairs if one != other]
     return "\n".join(lines) + "\n"
 
 
-def _short(system):
+def _short_system_name(system):
     """Name of the operating system without "GNU/Linux" and the release's nickname."""
     return system.replace("GNU/Linux ", "").partition(" (")[0]
 
 
-def _value(row, which):
-    if row[which] is None:
+def _format_value(row, key):
+    if row[key] is None:
         return "missing"
-    return f"{row[which]:.4f}" if row["key"] in ("ffr", "mean_curvature_per_mm") else f"{row[which]:.3f}"
+    return f"{row[key]:.4f}" if row["key"] in ("ffr", "mean_curvature_per_mm") else f"{row[key]:.3f}"
 
 
-def _numbers(row):
+def _number_cells(row):
     """The last cells of a row's line: expected, found, difference and allowed difference."""
-    size = "{:+.4f}" if row["key"] == "ffr" else "{:+.2%}"
-    off = "missing" if row["off"] is None else size.format(row["off"])
-    mark = "" if row["within"] else "**"
-    allowed = size.format(row["allowed"]).lstrip("+")
-    return f"{_value(row, 'expected')} | {_value(row, 'found')} | {mark}{off}{mark} | {allowed}"
+    number_format = "{:+.4f}" if row["key"] == "ffr" else "{:+.2%}"
+    difference = "missing" if row["difference"] is None else number_format.format(row["difference"])
+    bold = "" if row["within"] else "**"
+    allowed = number_format.format(row["allowed"]).lstrip("+")
+    return f"{_format_value(row, 'expected')} | {_format_value(row, 'found')} | {bold}{difference}{bold} | {allowed}"
 
 
-def _row(row):
-    return f"| {row['case']} | {row['state']} | {NAMES[row['key']]} | {_numbers(row)} |"
+def _table_row(row):
+    return f"| {row['case']} | {row['state']} | {QUANTITY_NAMES[row['key']]} | {_number_cells(row)} |"
 
 
-def _largest(rows):
+def _largest_difference_row(rows):
     """The table line of the row with the largest difference."""
-    row = max(rows, key=lambda row: float("inf") if row["off"] is None else abs(row["off"]))
-    return f"| {NAMES[row['key']]} | {row['case']}, {row['state']} | {_numbers(row)} |"
+    row = max(rows, key=lambda row: float("inf") if row["difference"] is None else abs(row["difference"]))
+    return f"| {QUANTITY_NAMES[row['key']]} | {row['case']}, {row['state']} | {_number_cells(row)} |"
 
 
-def _bits(expected, found):
+def _identical_file_rows(expected, found):
     """A table line for each kind of product: the number of files, and of those with the same bits."""
     lines = []
     kinds = next(iter(expected["cases"].values()))["same"]

@@ -19,77 +19,83 @@ from data_synthetic import draw
 from workflow.failed import failed_steps
 
 SNAKEMAKE = "/usr/bin/snakemake"
-SHARD = 100  # patients; Snakemake plans them in some 10 s, and an interrupted run loses little
-CHEAP = {"flow": {"model": "axisymmetric"}, "ct": {"enabled": False}}  # settings: the reduced flow model, no CT
-DROPPED = (".msh", ".vtu", ".vtp", ".stl", ".png", ".gz")  # removed files, which the remaining files can make again
-PROJECTED = (1000, 100_000)  # numbers of patients whose cost is projected
-COST = ("shard", "patients", "finished", "wall_s", "cpu_s", "made_mb", "kept_mb")
+SHARD_SIZE = 100  # patients; Snakemake plans them in some 10 s, and an interrupted run loses little
+REDUCED_SETTINGS = {
+    "flow": {"model": "axisymmetric"},
+    "ct": {"enabled": False},
+}  # settings: the reduced flow model, no CT
+# Of files that are removed. The remaining files can make them again.
+PRUNED_SUFFIXES = (".msh", ".vtu", ".vtp", ".stl", ".png", ".gz")
+PROJECTED_COUNTS = (1000, 100_000)  # numbers of patients whose cost is projected
+COST_COLUMNS = ("shard", "patients", "finished", "wall_s", "cpu_s", "made_mb", "kept_mb")
 
 
-def prepare(count, seed, out, folder=pathlib.Path("config"), full=False):
+def draw_shards(count, seed, out, folder=pathlib.Path("config"), full=False):
     """Draws patients 1 to `count` of a seed into shards below `out`; returns [(shard's folder, [case names])].
 
     Each shard is a configuration folder: study.yaml, devices, cases. full: keep the settings of `folder`/study.yaml,
-    else lay CHEAP over them. Patient k of a seed is the same, and in the same shard, whatever the count. The file of a
-    patient drawn before is kept. Raises InputError for a count or seed out of range.
+    else lay REDUCED_SETTINGS over them. Patient k of a seed is the same, and in the same shard, whatever the count. The
+    file of a patient drawn before is kept. Raises InputError for a count or seed out of range.
     """
     draw.check(count, seed)
     out, folder = pathlib.Path(out), pathlib.Path(folder)
     if out.exists() and not (out / "shards").is_dir():
         raise InputError("folder of something else", out, "holds no shards", "another folder for the cohort")
     study = yaml.safe_load((folder / "study.yaml").read_text())
-    for section, values in () if full else CHEAP.items():
+    for section, values in () if full else REDUCED_SETTINGS.items():
         study[section] = {**study.get(section, {}), **values}
     shards = []
-    for first in range(0, count, SHARD):
-        place = out / "shards" / f"{first // SHARD + 1:04d}"
-        numbers = range(first + 1, min(first + SHARD, count) + 1)
+    for first in range(0, count, SHARD_SIZE):
+        shard_folder = out / "shards" / f"{first // SHARD_SIZE + 1:04d}"
+        numbers = range(first + 1, min(first + SHARD_SIZE, count) + 1)
         names = [f"seed{seed}_{number:06d}" for number in numbers]
         for name, number in zip(names, numbers):
-            if not (place / "cases" / f"{name}.yaml").exists():
-                draw.write(seed, number, place / "cases" / f"{name}.yaml")
-        _write(place / "study.yaml", yaml.safe_dump({**study, "cohorts": {"shard": names}}, sort_keys=False))
-        shutil.copytree(folder / "devices", place / "devices", dirs_exist_ok=True)
-        shards.append((place, names))
+            if not (shard_folder / "cases" / f"{name}.yaml").exists():
+                draw.write_patient(seed, number, shard_folder / "cases" / f"{name}.yaml")
+        _write_if_changed(
+            shard_folder / "study.yaml", yaml.safe_dump({**study, "cohorts": {"shard": names}}, sort_keys=False)
+        )
+        shutil.copytree(folder / "devices", shard_folder / "devices", dirs_exist_ok=True)
+        shards.append((shard_folder, names))
     return shards
 
 
-def run(shards, cores, results=pathlib.Path("results"), dry=False, keep_all=False):
+def run_shards(shards, cores, results=pathlib.Path("results"), dry_run=False, keep_all=False):
     """Runs the shards one after the other; returns a row of costs for each, also added to the shard's cost.csv.
 
-    A patient that fails does not stop the others. dry: plan only, as many shards at once as there are cores, and
+    A patient that fails does not stop the others. dry_run: plan only, as many shards at once as there are cores, and
     write no cost.csv. keep_all: keep surfaces, meshes and fields too. A row's `computed` is False if Snakemake itself
     failed first, as in a locked folder: no patient of the shard finished, and no step of one failed.
     """
-    with concurrent.futures.ThreadPoolExecutor(cores if dry else 1) as pool:
-        return list(pool.map(lambda shard: _run(*shard, cores, pathlib.Path(results), dry, keep_all), shards))
+    with concurrent.futures.ThreadPoolExecutor(cores if dry_run else 1) as pool:
+        return list(pool.map(lambda shard: _run_shard(*shard, cores, pathlib.Path(results), dry_run, keep_all), shards))
 
 
-def _run(place, names, cores, results, dry, keep_all):
+def _run_shard(shard_folder, names, cores, results, dry_run, keep_all):
     """Runs or plans one shard; returns its row of costs."""
     targets = [f"{results}/cases/{name}/metrics.json" for name in names]
     command = [SNAKEMAKE, "--profile", "config/profiles/local", "--cores", str(cores), *targets]
-    command += ["--config", f"folder={place}", "cohort=shard"] + ["--dry-run", "--quiet"] * dry
-    begin, since = time.monotonic(), int(time.time())  # rounded down, since the time stamp of a file may lag behind
-    with open(place / "snakemake.log", "w") as log:
+    command += ["--config", f"folder={shard_folder}", "cohort=shard"] + ["--dry-run", "--quiet"] * dry_run
+    start, since = time.monotonic(), int(time.time())  # rounded down, since the time stamp of a file may lag behind
+    with open(shard_folder / "snakemake.log", "w") as log:
         process = subprocess.Popen(command, stdout=log, stderr=log)
-        _, status, used = os.wait4(process.pid, 0)
+        _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
-    row = {"shard": place.name, "patients": len(names), "wall_s": time.monotonic() - begin}
-    row |= {"cpu_s": used.ru_utime + used.ru_stime, "exit_code": process.returncode}
+    row = {"shard": shard_folder.name, "patients": len(names), "wall_s": time.monotonic() - start}
+    row |= {"cpu_s": usage.ru_utime + usage.ru_stime, "exit_code": process.returncode}
     finished = [name for name in names if (results / "cases" / name / "metrics.json").is_file()]
-    row["computed"] = not row["exit_code"] or _ended(results, names, finished, since)
-    row |= {"finished": len(finished), "made_mb": _megabytes(results, names)}
-    if not dry and not keep_all:
+    row["computed"] = not row["exit_code"] or _any_patient_ended(results, names, finished, since)
+    row |= {"finished": len(finished), "made_mb": _size_mb(results, names)}
+    if not dry_run and not keep_all:
         for name in finished:
-            prune(results / "cases" / name)
-    row["kept_mb"] = _megabytes(results, names)
-    if not dry:
-        _add_cost(place / "cost.csv", row)
+            prune_results(results / "cases" / name)
+    row["kept_mb"] = _size_mb(results, names)
+    if not dry_run:
+        _add_cost(shard_folder / "cost.csv", row)
     return row
 
 
-def _ended(results, names, finished, since):
+def _any_patient_ended(results, names, finished, since):
     """Whether any patient finished, or had a step that failed, at or after `since` (seconds since 1970).
 
     names: patients of the shard; finished: those of them with metrics.json.
@@ -99,8 +105,8 @@ def _ended(results, names, finished, since):
     return any(step["case"] in names for step in failed_steps(results, since))
 
 
-def projected(out, cores):
-    """[{patients, core_hours, wall_hours, kept_gb}] for the patients finished so far and for the numbers PROJECTED.
+def projected_costs(out, cores):
+    """[{patients, core_hours, wall_hours, kept_gb}] for the finished patients and for PROJECTED_COUNTS.
 
     The cost of a patient is the mean over the finished ones, from the shards' cost.csv.
 
@@ -121,17 +127,17 @@ def projected(out, cores):
             "wall_hours": round(count * seconds / 3600 / cores, 1),
             "kept_gb": round(count * kept / 1000, 2),
         }
-        for count in (finished, *PROJECTED)
+        for count in (finished, *PROJECTED_COUNTS)
     ]
 
 
-def prune(case):
+def prune_results(case):
     """Removes surfaces, meshes, fields and pictures of a finished patient.
 
     Snakemake makes them again only if an input of the steps before the metrics has changed.
     """
     for file in pathlib.Path(case).rglob("*"):
-        if file.is_file() and file.name.endswith(DROPPED):
+        if file.is_file() and file.name.endswith(PRUNED_SUFFIXES):
             file.unlink()
 
 
@@ -139,20 +145,20 @@ def _add_cost(path, row):
     """Adds a row for this run to the shard's table, since a shard that was interrupted takes several runs."""
     new = not path.exists()
     with open(path, "a", newline="") as stream:
-        table = csv.DictWriter(stream, COST, extrasaction="ignore", lineterminator="\n")
+        table = csv.DictWriter(stream, COST_COLUMNS, extrasaction="ignore", lineterminator="\n")
         if new:
             table.writeheader()
         table.writerow({key: round(value, 1) if isinstance(value, float) else value for key, value in row.items()})
 
 
-def _write(path, text):
+def _write_if_changed(path, text):
     """Writes a file only if its content changes, so that Snakemake does not run its steps again."""
     if not path.exists() or path.read_text() != text:
         with replacing(path) as partial:
             partial.write_text(text)
 
 
-def _megabytes(results, names):
+def _size_mb(results, names):
     """Size in MB of all files of the cases."""
     folders = [results / "cases" / name for name in names]
     files = (pathlib.Path(top) / name for folder in folders for top, _, found in os.walk(folder) for name in found)

@@ -38,11 +38,11 @@ class Configuration:
             if case["kind"] == "synthetic":
                 patient.check(case["vessel"], str(self.case_file(name)))
 
-    def of_kind(self, kind):
+    def cases_of_kind(self, kind):
         """Names of the cases that are `synthetic` or `surface`."""
         return [name for name, case in self.cases.items() if case["kind"] == kind]
 
-    def with_key(self, key):
+    def cases_with_key(self, key):
         """Names of the cases whose file has a key."""
         return [name for name, case in self.cases.items() if key in case]
 
@@ -118,7 +118,7 @@ class Configuration:
             raise InputError(f"{what} not found", f"{self.case_file(name)}, key {key}", file, remedy)
         return str(file)
 
-    def selected(self, cohort, cases=None):
+    def selected_cases(self, cohort, cases=None):
         """Names of the cases to run: `cases` ("a b" or "a,b") if given, else the cohort's."""
         cohorts = self.study["cohorts"]
         if cases:

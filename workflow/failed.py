@@ -6,10 +6,10 @@ import re
 from common.documents import json_reader
 from common.errors import InputError
 from common.files import write_json
-from workflow.half_maximum import NAME as ARM
+from workflow.half_maximum import ARM_NAME as ARM
 
-STOPPED = (130, 143)  # exit codes of a step ended by Ctrl-C or SIGTERM, which is no failure
-LAST = 6  # last lines of a log, taken as the message if the log has no error message of this project
+INTERRUPT_EXIT_CODES = (130, 143)  # exit codes of a step ended by Ctrl-C or SIGTERM, which is no failure
+LAST_LINES = 6  # last lines of a log, taken as the message if the log has no error message of this project
 
 
 def failed_steps(results=pathlib.Path("results"), since=0.0):
@@ -20,21 +20,21 @@ def failed_steps(results=pathlib.Path("results"), since=0.0):
     """
     found = []
     for mark in sorted(pathlib.Path(results).glob("cases/*/logs/**/*.log.failed")):
-        code = _code(mark)
-        if mark.stat().st_mtime < since or code in STOPPED:
+        code = _exit_code(mark)
+        if mark.stat().st_mtime < since or code in INTERRUPT_EXIT_CODES:
             continue
         log = mark.with_suffix("")
         case, step = log.relative_to(results).parts[1], log.with_suffix("").relative_to(results).parts[3:]
         text = log.read_text(errors="replace") if log.exists() else ""
-        found.append({"case": case, "step": "/".join(step), "exit_code": code, "message": message(text)})
+        found.append({"case": case, "step": "/".join(step), "exit_code": code, "message": error_message(text)})
         found[-1]["log"] = str(log)
     return found
 
 
-def message(text):
+def error_message(text):
     """The error in a log: this project's error message if there is one, else the last lines."""
     begins = [one.start() for one in re.finditer(r"^error: ", text, re.M)]
-    return text[begins[-1] :].strip() if begins else "\n".join(text.strip().splitlines()[-LAST:])
+    return text[begins[-1] :].strip() if begins else "\n".join(text.strip().splitlines()[-LAST_LINES:])
 
 
 def write_failed(out, results=pathlib.Path("results"), since=0.0):
@@ -54,7 +54,7 @@ def without_failed(cases, path):
     """
     if not path:
         return cases
-    failed = {case for case, step in _steps(path) if not _of_arm(step)}
+    failed = {case for case, step in _read_steps(path) if not _is_arm_step(step)}
     left = [case for case in cases if case not in failed]
     if not left:
         raise InputError("every case failed", path, " ".join(cases), "read their logs: there is no page to make")
@@ -66,10 +66,10 @@ def cases_of_failed_arms(path):
 
     Raises InputError if the file cannot be read.
     """
-    return {case for case, step in _steps(path) if _of_arm(step)} if path else set()
+    return {case for case, step in _read_steps(path) if _is_arm_step(step)} if path else set()
 
 
-def _steps(path):
+def _read_steps(path):
     """[(case, step)] of a failed.json. Raises InputError."""
     remedy = "--config failed= takes the file of `workflow failed`"
     document = json_reader.read(path, "failed.json", remedy).data
@@ -79,12 +79,12 @@ def _steps(path):
         raise InputError("not a list of failed steps", f"{path}, key failed", error, remedy) from error
 
 
-def _of_arm(step):
+def _is_arm_step(step):
     """Whether a failed step is one of the arm at half maximum."""
     return step.partition("/")[0] == ARM
 
 
-def _code(mark):
+def _exit_code(mark):
     """The exit code in a mark; None if the mark was cut short."""
     text = mark.read_text().strip()
     return int(text) if text.isdigit() else None

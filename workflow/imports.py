@@ -14,7 +14,7 @@ def code(part, *modules):
     the part's __main__ belong to every command. Imports inside its functions belong to one command each.
     """
     main = f"{part}.__main__"
-    return _files({main, *_packages(main)}, [*_imported(main, top_level_only=True), *modules])
+    return _import_closure({main, *_parent_packages(main)}, [*_imported_modules(main, top_level_only=True), *modules])
 
 
 def command_code(part, function):
@@ -23,7 +23,7 @@ def command_code(part, function):
     The modules are imported in this function, or in functions of __main__ that it calls. Raises
     ValueError if __main__ has no such function.
     """
-    return code(part, *_imported_by(f"{part}.__main__", function))
+    return code(part, *_function_imports(f"{part}.__main__", function))
 
 
 def script_code(script, *folders):
@@ -32,17 +32,22 @@ def script_code(script, *folders):
     These are the script, its imports from beside it or from `folders`, which it puts on its path, and all that these
     import.
     """
-    places, found, names, pending = [pathlib.Path(script).parent, *map(pathlib.Path, folders)], set(), set(), [script]
+    folders_to_search, found, names, pending = (
+        [pathlib.Path(script).parent, *map(pathlib.Path, folders)],
+        set(),
+        set(),
+        [script],
+    )
     while pending:
         file = str(pending.pop())
         if file in found:
             continue
         found.add(file)
-        for name in _named(_statements(ast.parse((ROOT / file).read_text())), ""):
-            beside = [place / f"{name}.py" for place in places if (ROOT / place / f"{name}.py").is_file()]
-            pending += beside[:1]
-            names |= {name} if not beside and _file(name) else set()
-    return sorted(found | set(_files(set(), [*names])))
+        for name in _names_in_imports(_all_statements(ast.parse((ROOT / file).read_text())), ""):
+            sibling = [place / f"{name}.py" for place in folders_to_search if (ROOT / place / f"{name}.py").is_file()]
+            pending += sibling[:1]
+            names |= {name} if not sibling and _module_file(name) else set()
+    return sorted(found | set(_import_closure(set(), [*names])))
 
 
 def flow_benchmark_code(script):
@@ -57,34 +62,34 @@ def module_code(name):
 
     Example: module_code("vci.benchmarks.benchmark").
     """
-    return _files(set(), [name])
+    return _import_closure(set(), [name])
 
 
-def _files(found, pending):
+def _import_closure(found, pending):
     """Files of the modules `found`, of the modules named in `pending`, and of all modules that these import, sorted.
 
     Raises ValueError for a name in `pending` that is no module of this repository.
     """
     for name in pending:
-        if _file(name) is None:
+        if _module_file(name) is None:
             raise ValueError(f"no module {name}")
     while pending:
         name = pending.pop()
         if name not in found:
             found.add(name)
-            pending += _packages(name)
-            pending += _imported(name, top_level_only=False)
-    return sorted(str(_file(name).relative_to(ROOT)) for name in found)
+            pending += _parent_packages(name)
+            pending += _imported_modules(name, top_level_only=False)
+    return sorted(str(_module_file(name).relative_to(ROOT)) for name in found)
 
 
-def _packages(name):
+def _parent_packages(name):
     """The packages that Python loads before the module: a.b.c -> a, a.b."""
     parts = name.split(".")
-    return [package for k in range(1, len(parts)) if _file(package := ".".join(parts[:k])) is not None]
+    return [package for k in range(1, len(parts)) if _module_file(package := ".".join(parts[:k])) is not None]
 
 
 @functools.lru_cache(maxsize=None)
-def _file(name):
+def _module_file(name):
     """File of a module of this repository, or None."""
     path = ROOT.joinpath(*name.split("."))
     for file in (path.with_suffix(".py"), path / "__init__.py"):
@@ -94,19 +99,19 @@ def _file(name):
 
 
 @functools.lru_cache(maxsize=None)
-def _imported(name, top_level_only):
+def _imported_modules(name, top_level_only):
     """Names of this repository's modules that the module `name` imports."""
-    file = _file(name)
+    file = _module_file(name)
     tree = ast.parse(file.read_text(), filename=str(file))
-    nodes = tree.body if top_level_only else _statements(tree)
+    nodes = tree.body if top_level_only else _all_statements(tree)
     package = name if file.name == "__init__.py" else name.rpartition(".")[0]
-    return frozenset(module for module in _named(nodes, package) if _file(module) is not None)
+    return frozenset(module for module in _names_in_imports(nodes, package) if _module_file(module) is not None)
 
 
 @functools.lru_cache(maxsize=None)
-def _imported_by(name, function):
+def _function_imports(name, function):
     """Names of this repository's modules imported in a function of the module `name` and in functions that it calls."""
-    tree = ast.parse(_file(name).read_text())
+    tree = ast.parse(_module_file(name).read_text())
     bodies = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     if function not in bodies:
         raise ValueError(f"no function {function} in {name}")
@@ -117,20 +122,22 @@ def _imported_by(name, function):
             reached.add(function)
             nodes = list(ast.walk(bodies[function]))
             pending += [node.id for node in nodes if isinstance(node, ast.Name) and node.id in bodies]
-            named |= _named(nodes, name.rpartition(".")[0])
-    return frozenset(module for module in named if _file(module) is not None)
+            named |= _names_in_imports(nodes, name.rpartition(".")[0])
+    return frozenset(module for module in named if _module_file(module) is not None)
 
 
-def _statements(node):
+def _all_statements(node):
     """All statements within an ast node. Expressions are skipped: they hold no imports, and are most of the nodes."""
     for field in ("body", "orelse", "finalbody", "handlers", "cases"):
         inner = getattr(node, field, [])
-        for one in inner if isinstance(inner, list) else []:  # in lambdas and conditional expressions it is no list
-            yield one
-            yield from _statements(one)
+        for statement in (
+            inner if isinstance(inner, list) else []
+        ):  # in lambdas and conditional expressions it is no list
+            yield statement
+            yield from _all_statements(statement)
 
 
-def _named(nodes, package):
+def _names_in_imports(nodes, package):
     """Full names that the import statements among the nodes may mean, in a module of `package`."""
     found = set()
     for node in nodes:

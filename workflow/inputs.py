@@ -14,10 +14,10 @@ CENTRELINE_OPTIONS = {
     "proximal_s_mm": "--proximal-s",
     "rotation_deg": "--rotation",
 }
-STENT_ALONE = ("rc_stent",)  # radius correction by the stents alone
+STENT_ALONE_STATES = ("rc_stent",)  # radius correction by the stents alone
 CT_STATES = ("ct", "ct_vci", "ct_rc")  # the reference seen in CT, and predictions from the CT before the procedure
-IMAGED = ("pre", "reference")  # states with a CT volume
-VARIED = ("pressure", "resistance")  # inlet and outlet condition of the flows that `whatif` can vary
+CT_IMAGED_STATES = ("pre", "reference")  # states with a CT volume
+VARIABLE_CONDITIONS = ("pressure", "resistance")  # inlet and outlet condition of the flows that `whatif` can vary
 
 
 class Inputs:
@@ -36,12 +36,12 @@ class Inputs:
         lumen after the real procedure. Radius correction by the stents alone exists if metrics.stent_alone asks for it.
         """
         settings = self.configuration.settings(case)
-        alone = STENT_ALONE if settings["metrics"]["stent_alone"] else ()
+        stent_alone = STENT_ALONE_STATES if settings["metrics"]["stent_alone"] else ()
         if "post" in self.configuration.cases[case]:
-            return SURFACE_STATES + alone + ("post",)
+            return SURFACE_STATES + stent_alone + ("post",)
         if not self.has_reference(case):
-            return SURFACE_STATES + alone
-        return SYNTHETIC_STATES + alone + (CT_STATES if settings["ct"]["enabled"] else ())
+            return SURFACE_STATES + stent_alone
+        return SYNTHETIC_STATES + stent_alone + (CT_STATES if settings["ct"]["enabled"] else ())
 
     def has_flow(self, case, state):
         """Whether the flow of a state is computed. It is not for `post` if the case compares areas alone."""
@@ -52,10 +52,14 @@ class Inputs:
         """The states of a case whose flow is computed."""
         return [state for state in self.states(case) if self.has_flow(case, state)]
 
-    def varied(self, cases):
+    def cases_with_variable_flow(self, cases):
         """Those of `cases` whose flow `whatif` can vary: pressure is set at the inlet, resistances at the outlets."""
         flows = {case: self.configuration.settings(case)["flow"] for case in cases}
-        return [case for case in cases if (flows[case]["inlet_condition"], flows[case]["outlet_condition"]) == VARIED]
+        return [
+            case
+            for case in cases
+            if (flows[case]["inlet_condition"], flows[case]["outlet_condition"]) == VARIABLE_CONDITIONS
+        ]
 
     def has_reference(self, case):
         """Whether the reference can treat the case: a synthetic one, by one device at a time in one branch.
@@ -74,7 +78,7 @@ class Inputs:
         """The device families that the case's plan can use."""
         return self.configuration.device_files(wildcards.case)
 
-    def lumen(self, wildcards, key="lumen"):
+    def lumen_file(self, wildcards, key="lumen"):
         """The file of the lumen before the procedure, or with the key `post` after it.
 
         It is generated, made from contours or a CT, or the user's own.
@@ -85,7 +89,7 @@ class Inputs:
         folder = "source" if key == "lumen" else "post/source"
         return f"{self.results}/cases/{wildcards.case}/{folder}/lumen.vtp"
 
-    def caps(self, wildcards, key="lumen"):
+    def cap_files(self, wildcards, key="lumen"):
         """The files of the caps that close the user's surface, the inlet's first; empty if none are given."""
         return self.configuration.cap_files(wildcards.case, key)
 
@@ -100,7 +104,7 @@ class Inputs:
                 options += f" --{option} " + ",".join(map(str, point))
         for point in given.get("outlet_points_mm", ()):
             options += " --outlet " + ",".join(map(str, point))
-        for file in self.caps(wildcards, key):
+        for file in self.cap_files(wildcards, key):
             options += f" --cap {shlex.quote(file)}"
         if "tree" in given:
             options += f" --tree {given['tree']}"
@@ -118,21 +122,21 @@ class Inputs:
                 options += f" --{key.removesuffix('_radii').replace('_', '-')} {given[key]}"
         return options
 
-    def of_contours(self, key="lumen"):
+    def cases_from_contours(self, key="lumen"):
         """Names of the cases whose lumen (or `post`) is given by intravascular contours."""
         return [name for name, case in self.configuration.cases.items() if "contours" in case.get(key, {})]
 
-    def of_ct(self, key="lumen"):
+    def cases_from_ct(self, key="lumen"):
         """Names of the cases whose lumen (or `post`) is found in a CT volume of the user's."""
         return [name for name, case in self.configuration.cases.items() if "ct" in case.get(key, {})]
 
-    def ct(self, wildcards, key="lumen"):
+    def ct_files(self, wildcards, key="lumen"):
         """{volume, centreline: path} of a case's CT."""
         return self.configuration.ct_files(wildcards.case, key)
 
     def ct_options(self, wildcards, key="lumen"):
         """Command-line options of `anatomy ct` for a case's volume and end points."""
-        given, files = self.configuration.cases[wildcards.case][key]["ct"], self.ct(wildcards, key)
+        given, files = self.configuration.cases[wildcards.case][key]["ct"], self.ct_files(wildcards, key)
         options = [files["volume"]]
         for option, point in _ct_ends(given):
             options += [f"--{option}", *map(str, point)]
@@ -141,7 +145,7 @@ class Inputs:
         options += ["--centreline", files["centreline"]] if "centreline" in files else []
         return shlex.join(options)
 
-    def contours(self, wildcards, key="lumen"):
+    def contour_files(self, wildcards, key="lumen"):
         """{table: file} of a case's contours."""
         return self.configuration.contour_files(wildcards.case, key)
 
@@ -166,7 +170,7 @@ class Inputs:
         return shlex.join([*map(str, options), *(["--mirrored"] if line.get("mirrored") else [])])
 
     @staticmethod
-    def of_post(function):
+    def for_post(function):
         """A function of the wildcards alone, which calls `function` (of wildcards and key) with the key `post`."""
 
         def answer(wildcards):
@@ -185,7 +189,7 @@ class Inputs:
 
         return text
 
-    def value(self, section, key):
+    def setting(self, section, key):
         """A function of the wildcards that gives one resolved setting of the case."""
 
         def value(wildcards):
@@ -228,17 +232,17 @@ class Inputs:
         folder = {"ct": "ct/reference", "ct_pre": "ct/pre"}.get(wildcards.state, wildcards.state)
         return f"{self.results}/cases/{wildcards.case}/{folder}/lumen.vtp"
 
-    def names(self, wildcards):
+    def end_names_file(self, wildcards):
         """The file that names a lumen's ends: the anatomy before the procedure, or for `post` the registration."""
         case = f"{self.results}/cases/{wildcards.case}"
         return f"{case}/post/like.json" if wildcards.state == "post" else f"{case}/anatomy/anatomy.json"
 
-    def registrations(self, wildcards):
+    def registration_files(self, wildcards):
         """The registration of a case's lumen after the real procedure; empty if there is no such lumen."""
         has_post = "post" in self.states(wildcards.case)
         return [f"{self.results}/cases/{wildcards.case}/post/registration.json"] if has_post else []
 
-    def imaged(self, wildcards):
+    def phantom_inputs(self, wildcards):
         """Inputs of a state's simulated CT: its lumen, and after the procedure also plan (stents) and centreline."""
         case = f"{self.results}/cases/{wildcards.case}"
         if wildcards.state == "pre":
@@ -249,21 +253,21 @@ class Inputs:
             "centreline": f"{case}/reference/anatomy/centreline.vtp",
         }
 
-    def segmentations(self, wildcards):
+    def segmentation_files(self, wildcards):
         """Records (JSON) of how a case's lumens were made from CT volumes or contours; empty for other cases."""
         case = f"{self.results}/cases/{wildcards.case}"
-        if wildcards.case in self.of_ct():
+        if wildcards.case in self.cases_from_ct():
             return [f"{case}/source/segmentation.json"]
-        if wildcards.case in self.of_contours():
+        if wildcards.case in self.cases_from_contours():
             return [f"{case}/source/contours.json"]
-        states = IMAGED if "ct" in self.states(wildcards.case) else ()
+        states = CT_IMAGED_STATES if "ct" in self.states(wildcards.case) else ()
         return [f"{case}/ct/{state}/segmentation.json" for state in states]
 
-    def ends(self, wildcards):
+    def end_points_file(self, wildcards):
         """The file with the end points that a reader of the image would click, taken from the state's own anatomy."""
         return self.anatomy_files(wildcards)["anatomy"]
 
-    def of_states(self, *names):
+    def files_of_states(self, *names):
         """A function of the wildcards: <case>/<name> of every state, with {state} and {anatomy} filled in.
 
         Names of flow files are left out for states without a computed flow.
@@ -289,7 +293,7 @@ class Inputs:
         """Whether a case has a true lumen after PCI (`reference` or `post`) to compare predictions with."""
         return any({"reference", "post"} & set(self.states(case)) for case in cases)
 
-    def templates(self):
+    def page_templates(self):
         """The files of the report page that are not Python: HTML templates, style and scripts."""
         return sorted(str(file) for file in pathlib.Path("reports/page/templates").rglob("*") if file.is_file())
 

@@ -1,7 +1,7 @@
 """The manifest that ships with a release: results that a study must reproduce on another machine, and the comparison.
 
-Surfaces, deployments and meshes must have the same bits. Areas and curvature need only agree within RELATIVE, FFR
-within its error estimate: they come from a library of linear algebra, whose order of summation depends on the
+Surfaces, deployments and meshes must have the same bits. Areas and curvature need only agree within RELATIVE_TOLERANCE,
+FFR within its error estimate: they come from a library of linear algebra, whose order of summation depends on the
 processor. The key `tolerances` of the manifest is for human readers only; the comparison does not use it.
 """
 
@@ -25,16 +25,17 @@ SAME_BITS = {
     "deployment": r"(vci|rc)/.*\.(vtp|stl|csv|json)",
     "mesh": r"flow/(pre|vci|rc)/mesh.*",
 }
-RELATIVE = {"mean_area_mm2": 0.002, "minimum_area_mm2": 0.002, "mean_curvature_per_mm": 0.002}
-PASSING = ("seconds", "timings_s", "peak_memory_mib", "path")  # endings of keys whose values differ from run to run
+RELATIVE_TOLERANCE = {"mean_area_mm2": 0.002, "minimum_area_mm2": 0.002, "mean_curvature_per_mm": 0.002}
+# Endings of keys whose values differ from run to run.
+VARYING_KEY_ENDINGS = ("seconds", "timings_s", "peak_memory_mib", "path")
 
 
 def write_manifest(study, out):
     """Writes the manifest `out` of a finished study (folder of results), with the cases of its provenance.json."""
-    write_json(out, manifest_of(study))
+    write_json(out, build_manifest(study))
 
 
-def manifest_of(study):
+def build_manifest(study):
     """The manifest's document for a folder of results. Raises InputError if a file is missing."""
     study = pathlib.Path(study)
     provenance = read(study / "study" / "provenance.json", "vci-provenance-1").data
@@ -50,9 +51,9 @@ def manifest_of(study):
         "tolerances": {
             **{kind: "same bits" for kind in SAME_BITS},
             "ffr": "its error_estimate",
-            **{key: f"{share:g} of the value" for key, share in RELATIVE.items()},
+            **{key: f"{share:g} of the value" for key, share in RELATIVE_TOLERANCE.items()},
         },
-        "cases": {case: _case(study / "cases" / case) for case in provenance["cases"]},
+        "cases": {case: _case_entry(study / "cases" / case) for case in provenance["cases"]},
     }
 
 
@@ -62,13 +63,13 @@ def differences(expected, found):
     Each message names a difference: its case, the product or number, and both values.
     """
     compared, messages = 0, []
-    for case, wanted in expected["cases"].items():
+    for case, expected_case in expected["cases"].items():
         if case not in found["cases"]:
             messages.append(f"{case}: not in this study")
             continue
-        count, said = _differences(wanted, found["cases"][case])
+        count, case_messages = _case_differences(expected_case, found["cases"][case])
         compared += count
-        messages += [f"{case}: {message}" for message in said]
+        messages += [f"{case}: {message}" for message in case_messages]
     return compared, messages
 
 
@@ -77,52 +78,54 @@ def verify(manifest, study):
 
     Raises ComputationError, which lists the differences, or InputError for a file that cannot be read.
     """
-    expected, found = read(manifest, SCHEMA).data, manifest_of(study)
+    expected, found = read(manifest, SCHEMA).data, build_manifest(study)
     compared, messages = differences(expected, found)
     if messages:
-        before, now = expected["made_on"], found["made_on"]
-        other = [
-            f"{name} {version} here, {before['packages'].get(name, 'none')} there"
-            for name, version in now["packages"].items()
-            if before["packages"].get(name) != version
+        shipped, present = expected["made_on"], found["made_on"]
+        environment_differences = [
+            f"{name} {version} here, {shipped['packages'].get(name, 'none')} there"
+            for name, version in present["packages"].items()
+            if shipped["packages"].get(name) != version
         ]
-        other += [
-            f"{key}: {now[key] or 'none'} here, {before[key] or 'none'} there"
+        environment_differences += [
+            f"{key}: {present[key] or 'none'} here, {shipped[key] or 'none'} there"
             for key in ("system", "processor", "environment")
-            if now[key] != before[key]
+            if present[key] != shipped[key]
         ]
-        lines = "\n          ".join(messages + [f"(not compared: {line})" for line in other])
+        lines = "\n          ".join(messages + [f"(not compared: {line})" for line in environment_differences])
         remedy = "the first line that differs comes first in the flow of files; see docs/workflow.md, Provenance"
         raise ComputationError(f"{len(messages)} of {compared} comparisons differ", study, lines, remedy)
     return compared
 
 
-def digest(file):
+def product_digest(file):
     """SHA-256 of a product. In a JSON file keys that differ between runs, such as seconds, are left out."""
     if file.suffix != ".json":
         return sha256(file)
-    kept = _without_passing(read(file, "JSON").data)
+    kept = _without_varying_keys(read(file, "JSON").data)
     return hashlib.sha256(json.dumps(kept, sort_keys=True).encode()).hexdigest()
 
 
-def _without_passing(value):
+def _without_varying_keys(value):
     if isinstance(value, dict):
-        return {key: _without_passing(inner) for key, inner in value.items() if not key.endswith(PASSING)}
-    return [_without_passing(inner) for inner in value] if isinstance(value, list) else value
+        return {
+            key: _without_varying_keys(inner) for key, inner in value.items() if not key.endswith(VARYING_KEY_ENDINGS)
+        }
+    return [_without_varying_keys(inner) for inner in value] if isinstance(value, list) else value
 
 
-def _case(folder):
+def _case_entry(folder):
     same = {kind: {} for kind in SAME_BITS}
     for file in product_files(folder):
         name = str(file.relative_to(folder))
         kind = next((kind for kind, pattern in SAME_BITS.items() if re.fullmatch(pattern, name)), None)
         if kind:
-            same[kind][name] = digest(file)
+            same[kind][name] = product_digest(file)
     states = read(folder / "metrics.json", "vci-metrics-1").data["states"]
-    return {"same": same, "numbers": {state: _numbers(document) for state, document in states.items()}}
+    return {"same": same, "numbers": {state: _compared_numbers(document) for state, document in states.items()}}
 
 
-def _numbers(state):
+def _compared_numbers(state):
     """The numbers of a state in metrics.json that are compared; FFR and its error estimate only if it has a flow."""
     numbers = {
         "mean_area_mm2": state["area"]["mean_mm2"],
@@ -134,9 +137,9 @@ def _numbers(state):
     return numbers
 
 
-def _differences(wanted, found):
+def _case_differences(expected, found):
     compared, messages = 0, []
-    for kind, files in wanted["same"].items():
+    for kind, files in expected["same"].items():
         others = found["same"][kind]
         for name in files | others:
             compared += 1
@@ -144,7 +147,7 @@ def _differences(wanted, found):
                 messages.append(f"{kind}: {name} is {'not there' if name in files else 'not in the manifest'}")
             elif files[name] != others[name]:
                 messages.append(f"{kind}: {name} has other bits ({others[name][:12]}, not {files[name][:12]})")
-    for state, numbers in wanted["numbers"].items():
+    for state, numbers in expected["numbers"].items():
         others = found["numbers"].get(state)
         if others is None:
             compared += 1
@@ -154,16 +157,16 @@ def _differences(wanted, found):
             if key == "ffr_error_estimate":
                 continue
             compared += 1
-            message = _off(key, value, others.get(key), numbers)
+            message = _number_difference(key, value, others.get(key), numbers)
             messages += [f"{state}: {message}"] if message else []
     return compared, messages
 
 
-def _off(key, value, other, numbers):
+def _number_difference(key, value, other, numbers):
     """How a number differs, or None if it agrees. An FFR without an error estimate must be equal."""
     if other is None:
         return f"{key} is not there"
-    allowed = numbers["ffr_error_estimate"] or 0.0 if key == "ffr" else RELATIVE[key] * abs(value)
+    allowed = numbers["ffr_error_estimate"] or 0.0 if key == "ffr" else RELATIVE_TOLERANCE[key] * abs(value)
     if abs(other - value) <= allowed:
         return None
     return f"{key} {other:.6g}, not {value:.6g} within {allowed:.2g}"

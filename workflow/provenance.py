@@ -9,7 +9,7 @@ from common.files import sha256, write_json
 from common.documents.json_reader import read
 
 SCHEMA = "vci-provenance-1"
-ALWAYS = {
+CASE_ENTRIES = {
     "settings",
     "source",
     "anatomy",
@@ -19,9 +19,9 @@ ALWAYS = {
     "plans",
     "sensitivity",
 }  # files and folders that a case has beside those of its states
-WITH_CT = {"ct", "ct_pre", "half_maximum"}
+CT_ENTRIES = {"ct", "ct_pre", "half_maximum"}
 # they may change a number's last bits
-VARIABLES = ("GLIBC_TUNABLES", "NPY_DISABLE_CPU_FEATURES", "OMP_NUM_THREADS", "OPENBLAS_CORETYPE")
+ENVIRONMENT_VARIABLES = ("GLIBC_TUNABLES", "NPY_DISABLE_CPU_FEATURES", "OMP_NUM_THREADS", "OPENBLAS_CORETYPE")
 
 
 def write_provenance(configuration, cases, results, programs, software, out):
@@ -33,11 +33,11 @@ def write_provenance(configuration, cases, results, programs, software, out):
     document = {
         "schema": SCHEMA,
         "software": read(software, "vci-software-1").data,
-        "processor": _processor(),
-        "environment": {name: os.environ[name] for name in VARIABLES if name in os.environ},
+        "processor": _processor_name(),
+        "environment": {name: os.environ[name] for name in ENVIRONMENT_VARIABLES if name in os.environ},
         "programs": {pathlib.Path(program).name: sha256(program) for program in programs},
-        "study": _hashes([configuration.folder / "study.yaml"]),
-        "cases": {case: _case(configuration, case, pathlib.Path(results) / "cases" / case) for case in cases},
+        "study": _file_hashes([configuration.folder / "study.yaml"]),
+        "cases": {case: _case_entry(configuration, case, pathlib.Path(results) / "cases" / case) for case in cases},
     }
     write_json(out, document)
 
@@ -53,34 +53,36 @@ def product_files(folder):
     if not metrics.is_file():
         raise InputError("case is not finished", metrics, "no such file", f"make study CASES={folder.name}")
     states = set(read(metrics, "vci-metrics-1").data["states"])
-    return [file for file in sorted(folder.rglob("*")) if file.is_file() and _is_of(file.relative_to(folder), states)]
+    return [
+        file for file in sorted(folder.rglob("*")) if file.is_file() and _is_product(file.relative_to(folder), states)
+    ]
 
 
-def _is_of(path, states):
+def _is_product(path, states):
     """Whether a path, relative to a case's folder, is a product of a case that has these states."""
     if path.name.startswith("."):
         return False  # left by a step that was killed
     if path.parts[0] == "flow" and len(path.parts) > 2:
         return path.parts[1] in states
-    return path.parts[0] in ALWAYS | states | (WITH_CT if "ct" in states else set())
+    return path.parts[0] in CASE_ENTRIES | states | (CT_ENTRIES if "ct" in states else set())
 
 
-def _case(configuration, case, folder):
+def _case_entry(configuration, case, folder):
     products = product_files(folder)
     inputs = [
         configuration.case_file(case),
         *configuration.device_files(case),
-        *_given_files(configuration, case),
+        *_user_files(configuration, case),
     ]
     return {
-        "inputs": _hashes(inputs),
-        "seeds": dict(_seeds({**configuration.cases[case], "settings": configuration.settings(case)})),
-        "commands": _commands(folder / "logs"),
+        "inputs": _file_hashes(inputs),
+        "seeds": dict(_find_seeds({**configuration.cases[case], "settings": configuration.settings(case)})),
+        "commands": _read_commands(folder / "logs"),
         "products": {str(file.relative_to(folder)): sha256(file) for file in products},
     }
 
 
-def _given_files(configuration, case):
+def _user_files(configuration, case):
     """The user's surfaces, caps, volumes and tables that a case names."""
     found = []
     for key in ("lumen", "post"):
@@ -91,7 +93,7 @@ def _given_files(configuration, case):
     return found
 
 
-def _hashes(files):
+def _file_hashes(files):
     """{file: SHA-256}. A folder, such as a DICOM series, is replaced by its files."""
     files = [
         inner for file in map(pathlib.Path, files) for inner in (sorted(file.rglob("*")) if file.is_dir() else [file])
@@ -99,16 +101,16 @@ def _hashes(files):
     return {str(file): sha256(file) for file in files if file.is_file()}
 
 
-def _seeds(value, where=""):
+def _find_seeds(value, where=""):
     """(dotted key, seed) of every key `seed` in nested dicts and lists."""
     items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for key, inner in items:
         if key == "seed":
             yield f"{where}{key}", inner
-        yield from _seeds(inner, f"{where}{key}.")
+        yield from _find_seeds(inner, f"{where}{key}.")
 
 
-def _commands(logs):
+def _read_commands(logs):
     """{log: command} of a case's steps, from the first line that workflow/run.sh writes."""
     found = {}
     for log in sorted(logs.rglob("*.log")):
@@ -124,7 +126,7 @@ def _commands(logs):
     return found
 
 
-def _processor():
+def _processor_name():
     """The processor's name as Linux gives it; empty if Linux gives none."""
     text = pathlib.Path("/proc/cpuinfo").read_text()
     found = re.search(r"^model name\s*: (.*)$", text, re.M)

@@ -4,7 +4,7 @@ from common.documents import json_reader, plan_reader
 from common.errors import InputError
 from common.files import write_json
 
-PARTS = ("wall", "numerics")  # of the section `deployment`
+SCENE_SECTIONS = ("wall", "numerics")  # of the section `deployment`
 REMEDY = "give settings/deployment.json of a case, or another JSON file with wall and numerics"
 
 
@@ -17,7 +17,7 @@ def write_scene(plan_file, settings_file, out):
     if out.resolve().parent != plan_file.resolve().parent:
         raise InputError("scene outside the plan's folder", "--out", out, f"write it into {plan_file.parent}")
     scene, settings = plan_reader.read(plan_file), json_reader.read(settings_file, "deployment.json", REMEDY).data
-    for key in PARTS:
+    for key in SCENE_SECTIONS:
         if key not in settings:
             raise InputError("settings of another section", f"{settings_file}, key {key}", "missing", REMEDY)
-    write_json(out, {**scene, **{key: settings[key] for key in PARTS}})
+    write_json(out, {**scene, **{key: settings[key] for key in SCENE_SECTIONS}})

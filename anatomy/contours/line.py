@@ -13,8 +13,15 @@ SPACING_MM = 0.05  # between the points of a Line
 FEWEST_POINTS = 4  # points that a cubic curve needs
 SHORTEST_MM = 1.0  # a vessel of 20 to 150 mm is shorter if its metres were taken for millimetres
 LONGEST_MM = 400.0  # longer than a coronary artery with the aorta: millimetres were taken for centimetres or metres
-RADII = ("MaximumInscribedSphereRadius", "radius_mm", "Radius")  # arrays of radii, by VMTK, by this package, by others
-END_SHARE, WIDER = 0.2, 1.1  # share of a line's points that is an end; ratio of last to first radius for a warning
+RADIUS_ARRAYS = (
+    "MaximumInscribedSphereRadius",
+    "radius_mm",
+    "Radius",
+)  # arrays of radii, by VMTK, by this package, by others
+END_SHARE, WIDENING_RATIO = (
+    0.2,
+    1.1,
+)  # share of a line's points that is an end; ratio of last to first radius for a warning
 KNOTS_MM = 3.0  # between the spline's knots: a coronary bends over longer stretches, voxels' jitter is over shorter
 
 
@@ -28,21 +35,21 @@ class Line:
 
     def __init__(self, points, warnings=()):
         self.warnings = list(warnings)
-        points = _smoothed(np.asarray(points, float))
-        along = _lengths(points)
+        points = _smooth_points(np.asarray(points, float))
+        along = _arc_lengths(points)
         count = max(int(np.ceil(along[-1] / SPACING_MM)), 3) + 1
         curve = CubicSpline(along, points)
         self.s_mm = np.linspace(0, along[-1], count)
         self._points = curve(self.s_mm)
         self._tangents = _unit(curve(self.s_mm, 1))
-        self._first = _transported(self._points, self._tangents)
+        self._first = _parallel_transport(self._points, self._tangents)
 
     @property
     def length_mm(self):
         """Length of the curve in mm."""
         return self.s_mm[-1]
 
-    def place(self, s_mm):
+    def frame_at(self, s_mm):
         """(points in mm, tangents, first, second), each (k, 3), at arc lengths s_mm (k,) on the curve.
 
         first and second are the unit vectors across the tangents.
@@ -85,7 +92,7 @@ def read(path, units, number=None):
     if len(points) < FEWEST_POINTS:
         remedy = f"at least {FEWEST_POINTS} points at different places, along the whole vessel"
         raise InputError("too few points on the centreline", path, f"{len(points)} in line {number or 1}", remedy)
-    if not SHORTEST_MM <= (length := _lengths(points)[-1]) <= LONGEST_MM:
+    if not SHORTEST_MM <= (length := _arc_lengths(points)[-1]) <= LONGEST_MM:
         remedy = "declare the units of the centreline's file (centreline: units, --centreline-units)"
         which = "shorter" if length < SHORTEST_MM else "longer"
         raise InputError(f"the centreline is {which} than any vessel", path, f"{length:.3g} mm as {units}", remedy)
@@ -94,12 +101,12 @@ def read(path, units, number=None):
 
 def _widening(poly, rows):
     """Yields a warning if the file has radii and they grow along the line: it probably begins at the distal end."""
-    radii = next((array for name in RADII if (array := poly.GetPointData().GetArray(name))), None)
+    radii = next((array for name in RADIUS_ARRAYS if (array := poly.GetPointData().GetArray(name))), None)
     if radii is None:
         return
     radius, end = vtk_to_numpy(radii)[rows], max(1, int(END_SHARE * len(rows)))
     first, last = np.median(radius[:end]), np.median(radius[-end:])
-    if last > WIDER * first > 0:
+    if last > WIDENING_RATIO * first > 0:
         yield (
             f"the centreline's radius grows from {first:.3g} to {last:.3g} along it: does it begin at the proximal end?"
             " Otherwise turn it round"
@@ -110,17 +117,17 @@ def _unit(vectors):
     return vectors / np.linalg.norm(vectors, axis=1)[:, None]
 
 
-def _lengths(points):
+def _arc_lengths(points):
     """Arc lengths (n,) of points (n, 3) from the first point on."""
     return np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
 
-def _smoothed(points):
+def _smooth_points(points):
     """Points (n, 3) about SPACING_MM apart on a least-squares cubic spline with knots KNOTS_MM apart.
 
     A line of at most 50 points is first interpolated by a cubic spline.
     """
-    along = _lengths(points)
+    along = _arc_lengths(points)
     fine = np.linspace(0, along[-1], int(np.ceil(along[-1] / SPACING_MM)) + 1)
     points = (
         np.column_stack([np.interp(fine, along, points[:, k]) for k in range(3)])
@@ -132,7 +139,7 @@ def _smoothed(points):
     return make_lsq_spline(fine, points, knots, 3)(fine)
 
 
-def _transported(points, tangents):
+def _parallel_transport(points, tangents):
     """Unit vectors (n, 3) across the tangents (n, 3) at points (n, 3), without twist, by double reflection."""
     first = np.empty_like(points)
     first[0] = np.cross(tangents[0], np.eye(3)[np.abs(tangents[0]).argmin()])

@@ -32,12 +32,12 @@ def draw(document, z_mm, thickness_mm, kind, out):
     )
     area.legend(loc="lower right", fontsize=8, ncols=2)
     if unrolled:
-        _unroll(figure, axes[1], z_mm, thickness_mm, kind)
-    _from_proximal(np.atleast_1d(axes), z)
+        _draw_unrolled(figure, axes[1], z_mm, thickness_mm, kind)
+    _put_proximal_left(np.atleast_1d(axes), z)
     picture_file.save(figure, out)
 
 
-def _unroll(figure, axes, z_mm, thickness_mm, kind):
+def _draw_unrolled(figure, axes, z_mm, thickness_mm, kind):
     round_deg = np.arange(thickness_mm.shape[1]) * 360 / thickness_mm.shape[1]
     shown = axes.pcolormesh(z_mm, round_deg, thickness_mm.T, shading="nearest", cmap="YlOrBr", vmin=0)
     figure.colorbar(shown, ax=axes, label="plaque thickness (mm)")
@@ -50,7 +50,7 @@ def _unroll(figure, axes, z_mm, thickness_mm, kind):
     axes.set(xlabel="z (mm)", ylabel="round the lumen (degrees)", title="plaque beyond the healthy wall, unrolled")
 
 
-def _from_proximal(all_axes, z):
+def _put_proximal_left(all_axes, z):
     """Puts the proximal end on the left, so that the flow goes to the right."""
     for axes in all_axes:
         axes.set_xlim(*((z[-1], z[0])))

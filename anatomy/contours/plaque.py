@@ -10,38 +10,40 @@ from common.plaque_types import CALCIFIED, FIBROUS, LIPID
 from . import outer_wall, rings
 from .reading.outlines import centroid
 
-KINDS = {"lipid": LIPID, "calcium": CALCIFIED}  # where both are traced, the second one counts
+TYPE_OF_TABLE = {"lipid": LIPID, "calcium": CALCIFIED}  # where both are traced, the second one counts
 # Normal intima is below 0.3 mm by IVUS (0.22 to 0.25 mm at 30 to 40 years). The media behind it has 0.2 mm by
 # histology, but is thinner beneath plaque (0.1 mm in vivo: Gussenhoven et al., Am J Cardiol 68 (1991) 1625).
 THICKEST_HEALTHY_MM = 0.3
 THINNEST_WALL_MM = 0.1  # media alone, beneath plaque (as above); the thinnest frame of the real pull-back has 0.12 mm
-CROSSING_MM = 0.1  # by which the lumen may leave its outer wall: hand-drawn outlines that touch may cross
-SHADOW_MM = 0.3  # by which a region may leave the outer wall, a guess in calcium's shadow; shipped calcium: 0.07
+LUMEN_CROSSING_MM = 0.1  # by which the lumen may leave its outer wall: hand-drawn outlines that touch may cross
+REGION_CROSSING_MM = (
+    0.3  # by which a region may leave the outer wall, a guess in calcium's shadow; shipped calcium: 0.07
+)
 STEP_MM = 0.02  # between the points tested along a ray from the lumen outwards
 
 
-def thickness_of_frame(ring, outer_wall):
+def wall_distance_mm(ring, outer_wall):
     """Distance (n,) in mm from the ring's points (n, 2) to the outer wall's outline; negative outside it."""
     fine = rings.smooth(outer_wall)
     distance = cKDTree(fine).query(ring)[0]
     return np.where(Path(fine).contains_points(ring), distance, -distance)
 
 
-def thickness(frames, z_mm, ring_list, path):
+def wall_distances_mm(frames, z_mm, ring_list, path):
     """Distance (frames, n) in mm from the lumen to the outer wall.
 
     z_mm: (frames,), rising. ring_list: (frames, n, 2) of the lumen, in mm. At least one frame has a traced outer wall.
-    In frames without one the distance is to the interpolated wall (outer_wall.outlines_of), and at least 0. path: of
-    the outer wall's table, for messages. Raises InputError if a lumen is not inside its traced outer wall.
+    In frames without one the distance is to the interpolated wall (outer_wall.interpolated_outlines), and at least 0.
+    path: of the outer wall's table, for messages. Raises InputError if a lumen is not inside its traced outer wall.
     """
-    walls = outer_wall.outlines_of(frames, z_mm, len(ring_list[0]))
+    walls = outer_wall.interpolated_outlines(frames, z_mm, len(ring_list[0]))
     found = np.empty((len(frames), len(ring_list[0])))
     for row, frame, ring, wall in zip(found, frames, ring_list, walls):
         if frame.outer_wall is None:
-            row[:] = np.maximum(thickness_of_frame(ring, wall), 0)
+            row[:] = np.maximum(wall_distance_mm(ring, wall), 0)
             continue
-        row[:] = thickness_of_frame(ring, frame.outer_wall)
-        _check_inside(row, CROSSING_MM, "the lumen", f"{path}: frame {frame.name}", frame)
+        row[:] = wall_distance_mm(ring, frame.outer_wall)
+        _check_inside_wall(row, LUMEN_CROSSING_MM, "the lumen", f"{path}: frame {frame.name}", frame)
     return found
 
 
@@ -54,44 +56,44 @@ def check_regions(frames, paths):
         for name, several in frame.regions.items():
             where = f"{paths[name]}: frame {frame.name}"
             for region in several:
-                _check_behind(region, name, where, frame)
+                _check_outside_lumen(region, name, where, frame)
                 if frame.outer_wall is not None:
-                    distance = thickness_of_frame(region, frame.outer_wall)
-                    _check_inside(distance, SHADOW_MM, name, where, frame)
+                    distance = wall_distance_mm(region, frame.outer_wall)
+                    _check_inside_wall(distance, REGION_CROSSING_MM, name, where, frame)
 
 
-def _check_behind(region, what, where, frame):
+def _check_outside_lumen(region, what, where, frame):
     """Raises InputError if a region (n, 2) lies wholly within the lumen, where no ray into the wall would meet it."""
-    if (distance := thickness_of_frame(region, frame.lumen)).min() > 0:
+    if (distance := wall_distance_mm(region, frame.lumen)).min() > 0:
         value = f"all of it {distance.min():.2f} mm or more within the lumen's outline"
         remedy = f"trace {what} behind the lumen, in the same coordinates, or leave the frame out"
         raise InputError(f"{what} lies within the lumen", where, value, f"{remedy} (drop_frames: [{frame.name}])")
 
 
-def _check_inside(distance, most_mm, what, where, frame):
-    """Raises InputError if an outline is more than most_mm outside the outer wall.
+def _check_inside_wall(distance, largest_mm, what, where, frame):
+    """Raises InputError if an outline is more than largest_mm outside the outer wall.
 
-    distance: (n,) in mm from its points to the outer wall, negative outside (thickness_of_frame).
+    distance: (n,) in mm from its points to the outer wall, negative outside (wall_distance_mm).
     """
-    if distance.min() < -most_mm:
+    if distance.min() < -largest_mm:
         value = f"{-distance.min():.2f} mm outside it"
         remedy = f"trace the outer wall (EEM) round {what}, in the same coordinates, or leave the frame out"
         remedy += f" (drop_frames: [{frame.name}])"
         raise InputError(f"{what} runs outside the outer wall", where, value, remedy)
 
 
-def healthy_wall_mm(distance, given="auto"):
-    """Thickness in mm of the healthy wall: `given`, or with "auto" the mean over the frame with the thinnest wall.
+def healthy_wall_mm(distance, setting="auto"):
+    """Thickness in mm of the healthy wall: `setting`, or with "auto" the mean over the frame with the thinnest wall.
 
     With "auto" it is at most THICKEST_HEALTHY_MM, since a pull-back whose thinnest wall is thicker has no healthy
-    frame. distance: (frames, n) as thickness() returns it, of the traced frames.
+    frame. distance: (frames, n) as wall_distances_mm() returns it, of the traced frames.
     """
-    if given != "auto":
-        return float(given)
+    if setting != "auto":
+        return float(setting)
     return float(min(distance.mean(axis=1).min(), THICKEST_HEALTHY_MM))
 
 
-def types_of_frame(frame, ring):
+def plaque_types(frame, ring):
     """Type (n,) of plaque (common/plaque_types.py) behind each point of a frame's ring (n, 2), whatever its thickness.
 
     A traced region of calcium or lipid counts where a ray from the lumen's centroid meets it outside the lumen. Its
@@ -101,7 +103,7 @@ def types_of_frame(frame, ring):
     centre = centroid(ring)
     out = ring - centre
     out /= np.linalg.norm(out, axis=1)[:, None]
-    for name, value in KINDS.items():
+    for name, value in TYPE_OF_TABLE.items():
         for region in map(rings.smooth, frame.regions.get(name, ())):
             reach = np.linalg.norm(region - centre, axis=1).max()
             steps = np.arange(0, reach, STEP_MM)

@@ -60,25 +60,25 @@ def read(files, units="mm", z_from="distal", z_range_mm=None, drop_frames=()):
         raise InputError("empty range of z", "z_range_mm", [first, last], "the lower z first")
     dropped, seen = set(drop_frames), set()
 
-    def wanted(frame, z):
+    def is_used(frame, z):
         seen.add(frame)
         return first <= z <= last and frame not in dropped
 
-    warnings = [said for path in files.values() if path and (said := tables.unknown_names(path))]
-    lumen = tables.read_outlines(files["lumen"], units, "lumen", wanted)
+    warnings = [warning for path in files.values() if path and (warning := tables.unknown_names_warning(path))]
+    lumen = tables.read_outlines(files["lumen"], units, "lumen", is_used)
     _check_frames(lumen, files["lumen"], warnings)
     frames = {name: Frame(name, z, outline) for name, (z, outline) in lumen.items()}
     if files.get("outer_wall"):
-        walls = tables.read_outlines(files["outer_wall"], units, "outer_wall", wanted)
-        for name, outline in _matched(walls, files, "outer_wall", frames, warnings):
+        walls = tables.read_outlines(files["outer_wall"], units, "outer_wall", is_used)
+        for name, outline in _match_frames(walls, files, "outer_wall", frames, warnings):
             frames[name].outer_wall = outline
     for kind in ("calcium", "lipid"):
         if files.get(kind):
-            regions = tables.read_regions(files[kind], units, kind, wanted)
-            for name, several in _matched(regions, files, kind, frames, warnings):
+            regions = tables.read_regions(files[kind], units, kind, is_used)
+            for name, several in _match_frames(regions, files, kind, frames, warnings):
                 frames[name].regions[kind] = several
     if files.get("branches"):
-        _say_branches(tables.read_regions(files["branches"], units, "branches", wanted), warnings)
+        _warn_of_branches(tables.read_regions(files["branches"], units, "branches", is_used), warnings)
     _check_dropped(dropped - seen, seen, files["lumen"])
     landmarks = tables.read_points(files["landmarks"], units) if files.get("landmarks") else []
     sign = 1.0 if z_from == "distal" else -1.0
@@ -115,28 +115,28 @@ def _check_frames(lumen, path, warnings):
             )
 
 
-def _matched(found, files, what, frames, warnings):
+def _match_frames(table, files, what, frames, warnings):
     """Yields (frame's name, outline or outlines) of the table `what`, for frames with a lumen.
 
     found: {frame's name: (z, outline or outlines)}. Warns of frames without a lumen. Raises InputError if a frame's z
     differs from that in the lumen's table.
     """
     path = files[what]
-    without = []
-    for name, (z, traced) in found.items():
+    unmatched = []
+    for name, (z, traced) in table.items():
         if name not in frames:
-            without.append(name)
+            unmatched.append(name)
         elif abs(z - frames[name].z_mm) > SAME_Z_MM:
             value = f"z {z:g} mm, in the lumen's table {frames[name].z_mm:g} mm"
             remedy = "both tables from one pull-back, a frame's z the same in them"
             raise InputError("one frame at two places", f"{path}: {what}, frame {name}", value, remedy)
         else:
             yield name, traced
-    if without:
-        warnings.append(f"{what}: frames without a lumen are not used: {', '.join(map(str, without))}")
+    if unmatched:
+        warnings.append(f"{what}: frames without a lumen are not used: {', '.join(map(str, unmatched))}")
 
 
-def _say_branches(branches, warnings):
+def _warn_of_branches(branches, warnings):
     widths = {z: 2 * np.sqrt(max(map(rings.area_mm2, several)) / np.pi) for z, several in branches.values()}
     if widths:
         warnings.append(

@@ -6,15 +6,15 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from .reading import outlines
 from .reading.outlines import centroid
 
-FINE = 1000  # points of an outline resampled along its spline, for areas, lengths and distances
+FINE_POINTS = 1000  # points of an outline resampled along its spline, for areas, lengths and distances
 
 
-def smooth(outline, count=FINE):
+def smooth(outline, count=FINE_POINTS):
     """`count` points (count, 2) spaced evenly by length on the periodic cubic spline through an outline (n, 2)."""
     closed = np.vstack([outline, outline[:1]])
     length = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
     spline = CubicSpline(length, closed, bc_type="periodic")
-    fine = spline(np.linspace(0, length[-1], max(4 * FINE, 8 * len(outline)) + 1))
+    fine = spline(np.linspace(0, length[-1], max(4 * FINE_POINTS, 8 * len(outline)) + 1))
     along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(fine, axis=0), axis=1))])
     wanted = np.linspace(0, along[-1], count, endpoint=False)
     return np.column_stack([np.interp(wanted, along, fine[:, k]) for k in range(2)])
@@ -25,7 +25,7 @@ def area_mm2(outline):
     return outlines.area_mm2(smooth(outline))
 
 
-def ring(outline, count):
+def ring_from_outline(outline, count):
     """Ring of `count` points (count, 2) on an outline (n, 2), evenly spaced by length, from about angle 0 on.
 
     Points of two rings correspond by their number, but hand-drawn outlines begin anywhere. So the ring's start is
@@ -35,14 +35,16 @@ def ring(outline, count):
     fine = smooth(outline)
     centre = centroid(fine)
     angle = np.unwrap(np.arctan2(*(fine - centre).T[::-1]))
-    behind = np.mean(angle - 2 * np.pi * np.arange(FINE) / FINE)  # mean lead over a circle that begins at angle 0
-    start = -behind / (2 * np.pi) * FINE
-    at = (start + np.arange(count) * FINE / count) % FINE
+    behind = np.mean(
+        angle - 2 * np.pi * np.arange(FINE_POINTS) / FINE_POINTS
+    )  # mean lead over a circle that begins at angle 0
+    start = -behind / (2 * np.pi) * FINE_POINTS
+    at = (start + np.arange(count) * FINE_POINTS / count) % FINE_POINTS
     closed = np.vstack([fine, fine[:1]])
-    return np.column_stack([np.interp(at, np.arange(FINE + 1), closed[:, k]) for k in range(2)])
+    return np.column_stack([np.interp(at, np.arange(FINE_POINTS + 1), closed[:, k]) for k in range(2)])
 
 
-def between(z_mm, values):
+def interpolator(z_mm, values):
     """Function of z (k,) in mm that interpolates `values` (frames, ...) given at z_mm (frames,), rising.
 
     It returns (k, ...). It is a monotone cubic: between two frames its values lie between theirs. Beyond the ends it is
@@ -54,7 +56,7 @@ def between(z_mm, values):
     return lambda z: curve(np.clip(np.atleast_1d(z), z_mm[0], z_mm[-1]))
 
 
-def scaled(ring_list, areas_mm2):
+def scale_to_areas(ring_list, areas_mm2):
     """Rings (k, n, 2) widened about their centroids until their polygons enclose areas_mm2 (k,).
 
     A polygon encloses a little less than its outline. Interpolated rings may even be narrower than both frames: between

@@ -7,26 +7,37 @@ import numpy as np
 
 from . import rings
 
-WIDER = 1.1  # ratio of the distal third's diameter to that of the proximal third above which a warning is given
+WIDENING_RATIO = (
+    1.1  # ratio of the distal third's diameter to that of the proximal third above which a warning is given
+)
 HEALTHY_PERCENTILE = 90  # of the diameters in a third, so that a lesion there does not count
 WIDEST_USUAL_MM, NARROWEST_USUAL_MM = 6.0, 1.2  # median diameter; mean radii of coronaries, even ectatic, are 0.6 to 3
 # Phases are mixed if areas alternate: by turns larger and smaller than the mean of their neighbours. The limits are
 # the share of frames that alternate, the median difference from this mean in per cent, and the number of frames. In
 # outlines of one phase three of four frames alternate; systole differs from diastole by 8 % and more.
-ALTERNATING, PHASES_PERCENT, PHASES_FRAMES = 0.9, 5.0, 8
+ALTERNATING_SHARE, PHASES_PERCENT, PHASES_FRAMES = 0.9, 5.0, 8
 SHORTEST_DIAMETERS = 2.0  # least length over the median diameter: a pull-back reaches over a lesion at least
-# An area changes suddenly if two frames within NEAR_MM differ by more than a factor SUDDEN; the warning names NAMED
-# places. In four real pull-backs with frames less than 1 mm apart the largest factors are 1.97 and 1.62.
-NEAR_MM, SUDDEN, NAMED = 1.0, 2.0, 3
-OPEN_STEPS = 3.0  # ratio of an outline's longest step to the third longest; at most 1.3 in drawn and real outlines
-COUNTED_FRAMES = 8  # least number of frames for _counted: in fewer frames z may be whole millimetres by chance
+# An area changes suddenly if two frames within NEIGHBOUR_MM differ by more than a factor SUDDEN_RATIO; the warning
+# names MOST_NAMED places. In four real pull-backs with frames less than 1 mm apart the largest factors are 1.97 and
+# 1.62.
+NEIGHBOUR_MM, SUDDEN_RATIO, MOST_NAMED = 1.0, 2.0, 3
+OPEN_STEP_RATIO = 3.0  # ratio of an outline's longest step to the third longest; at most 1.3 in drawn and real outlines
+COUNTED_FRAMES = (
+    8  # least number of frames for _frame_numbers_as_z: in fewer frames z may be whole millimetres by chance
+)
 
 
-def find(pull):
+def find_warnings(pull):
     """List of warnings on a Pullback's width, length, units of z, direction, phases and single frames; mostly empty."""
     areas = np.array([rings.area_mm2(frame.lumen) for frame in pull.frames])
-    said = [*_width(areas), *_length(pull, areas), *_counted(pull), *_widening(pull, areas), *_phases(areas)]
-    return [*said, *_sudden(pull, areas), *_open(pull)]
+    sentences = [
+        *_width(areas),
+        *_length(pull, areas),
+        *_frame_numbers_as_z(pull),
+        *_widening(pull, areas),
+        *_mixed_phases(areas),
+    ]
+    return [*sentences, *_sudden_changes(pull, areas), *_open_outlines(pull)]
 
 
 def _width(areas):
@@ -47,7 +58,7 @@ def _length(pull, areas):
         )
 
 
-def _counted(pull):
+def _frame_numbers_as_z(pull):
     """Warns if the column z seems to hold frame numbers instead of millimetres.
 
     Either z equals the frame's number, or z is whole and the frame column is not, so the columns may be exchanged.
@@ -69,66 +80,66 @@ def _widening(pull, areas):
     third = np.ptp(pull.z_mm) / 3
     thirds = pull.z_mm <= pull.z_mm[0] + third, pull.z_mm >= pull.z_mm[-1] - third
     distal, proximal = (np.percentile(np.sqrt(areas[end]), HEALTHY_PERCENTILE) for end in thirds)
-    if distal > WIDER * proximal:
+    if distal > WIDENING_RATIO * proximal:
         yield (
             f"the distal third is {distal / proximal:.2f} times as wide as the proximal one: does z rise from the"
             " distal end? Otherwise set z_from: proximal (--z-from). A narrowed or anomalous first part looks the same"
         )
 
 
-def _phases(areas):
+def _mixed_phases(areas):
     if len(areas) < PHASES_FRAMES:
         return
     off = areas[1:-1] / (0.5 * (areas[:-2] + areas[2:])) - 1
     alternating = np.mean(np.sign(off[1:]) != np.sign(off[:-1]))
     percent = 100 * np.median(np.abs(off))
-    if alternating >= ALTERNATING and percent >= PHASES_PERCENT:
+    if alternating >= ALTERNATING_SHARE and percent >= PHASES_PERCENT:
         yield (
             f"areas rise and fall by turns, by {percent:.0f} % from frame to frame (median): are systole and diastole"
             " mixed? Use the frames of one phase, best diastole (drop_frames)"
         )
 
 
-def _sudden(pull, areas):
+def _sudden_changes(pull, areas):
     """Warns of neighbouring frames of which one is much wider: a wrong outline, or the guide catheter's lumen."""
     ratio = np.exp(np.abs(np.diff(np.log(areas))))
-    pairs = np.flatnonzero((ratio > SUDDEN) & (np.diff(pull.z_mm) < NEAR_MM))
-    told = [
+    pairs = np.flatnonzero((ratio > SUDDEN_RATIO) & (np.diff(pull.z_mm) < NEIGHBOUR_MM))
+    places = [
         f"{one.name} to {other.name} (z {pull.sign * one.z_mm:.2f} to {pull.sign * other.z_mm:.2f} mm,"
         f" {areas[k]:.2f} to {areas[k + 1]:.2f} mm2)"
         for k in pairs
         for one, other in [pull.frames[k : k + 2]]
     ]
-    if told:
+    if places:
         yield (
-            f"the lumen's area changes by more than a factor of {SUDDEN:g} within {NEAR_MM:g} mm, in frames"
-            f" {_first(told)}: a wrong outline? Leave such a frame out (drop_frames). Frames in the"
+            f"the lumen's area changes by more than a factor of {SUDDEN_RATIO:g} within {NEIGHBOUR_MM:g} mm, in frames"
+            f" {_list_first(places)}: a wrong outline? Leave such a frame out (drop_frames). Frames in the"
             " guide catheter? Leave them out by z_range_mm. A short lesion or a large branch's mouth looks the same"
         )
 
 
-def _open(pull):
+def _open_outlines(pull):
     """Warns of outlines with a gap or a spike.
 
     A gap is a single long step, a spike the two long steps to a point and back. Long means three times the third
     longest step, and longer than the outline's own radius. A chord of that length cuts 3 % off a circle's area.
     """
-    told = []
+    places = []
     for frame in pull.frames:
         for name, outline in (("lumen", frame.lumen), ("outer wall", frame.outer_wall)):
             if outline is None:
                 continue
             third, _, longest = np.sort(np.linalg.norm(outline - np.roll(outline, 1, axis=0), axis=1))[-3:]
-            if longest > max(OPEN_STEPS * third, np.sqrt(rings.area_mm2(outline) / np.pi)):
-                told.append(f"{frame.name} (z {pull.sign * frame.z_mm:.2f} mm, {name}, {longest:.2f} mm)")
-    if told:
+            if longest > max(OPEN_STEP_RATIO * third, np.sqrt(rings.area_mm2(outline) / np.pi)):
+                places.append(f"{frame.name} (z {pull.sign * frame.z_mm:.2f} mm, {name}, {longest:.2f} mm)")
+    if places:
         yield (
-            f"a step of an outline is longer than the lumen's or wall's own radius and {OPEN_STEPS:g} times the others,"
-            f" in frame {_first(told)}: is a part missing, or a point far off? Trace it again, or leave the frame out"
-            " (drop_frames)"
+            f"a step of an outline is longer than the lumen's or wall's own radius and {OPEN_STEP_RATIO:g} times the"
+            f" others, in frame {_list_first(places)}: is a part missing, or a point far off? Trace it again, or leave"
+            " the frame out (drop_frames)"
         )
 
 
-def _first(told):
+def _list_first(places):
     """The first three of several places in words, and how many more there are."""
-    return ", ".join(told[:NAMED]) + f" and {len(told) - NAMED} more" * (len(told) > NAMED)
+    return ", ".join(places[:MOST_NAMED]) + f" and {len(places) - MOST_NAMED} more" * (len(places) > MOST_NAMED)

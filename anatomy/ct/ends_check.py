@@ -12,10 +12,10 @@ from common.errors import InputError
 
 from . import paths, volumes
 
-OUTSIDE = "give the end points in mm, in the volume's own coordinates"
+END_POINTS_REMEDY = "give the end points in mm, in the volume's own coordinates"
 CLOSEST_MM = 1.0  # between two end points; nearer points are one end given twice, since no vessel is shorter
 LEAST_BLOOD_HU = 100.0  # blood without contrast has 30 to 60 HU; coronary angiograms have 200 and more
-REVERSED = np.array([-1.0, -1.0, 1.0])  # factors from right-anterior-superior to left-posterior-superior coordinates
+RAS_TO_LPS = np.array([-1.0, -1.0, 1.0])  # factors from right-anterior-superior to left-posterior-superior coordinates
 
 
 def load_ends(path):
@@ -35,17 +35,17 @@ def load_ends(path):
     )
 
 
-def checked_ends(given, where):
-    """Checked end points [(name, centre (3,))] from `given`, a list of (name, point) as the user gave them.
+def checked_ends(points, where):
+    """Checked end points [(name, centre (3,))] from `points`, a list of (name, point) as the user gave them.
 
     Raises InputError for fewer than two end points, and for a point that is not three finite numbers. It also raises
     it for a name given twice, and for two points nearer than CLOSEST_MM.
     """
     found = []
-    if len(given) < 2:
+    if len(points) < 2:
         remedy = "at least two: the inlet first, then an outlet for each branch"
-        raise InputError("too few end points", f"{where}: ends", len(given), remedy)
-    for number, (name, centre) in enumerate(given, start=1):
+        raise InputError("too few end points", f"{where}: ends", len(points), remedy)
+    for number, (name, centre) in enumerate(points, start=1):
         key = f"{where}: ends[{number}]"
         good = isinstance(centre, list) and len(centre) == 3 and all(type(x) in (int, float) for x in centre)
         if not good or not np.all(np.isfinite(centre)):
@@ -53,9 +53,9 @@ def checked_ends(given, where):
         name, centre = str(name), np.array(centre, float)
         if name in [other for other, _ in found]:
             raise InputError("two end points of one name", f"{key}.name", name, "a name for each")
-        near = [other for other, place in found if np.linalg.norm(place - centre) < CLOSEST_MM]
-        if near:
-            remedy = f"at least {CLOSEST_MM} mm from {near[0]}: one point for each end of a vessel"
+        too_near = [other for other, place in found if np.linalg.norm(place - centre) < CLOSEST_MM]
+        if too_near:
+            remedy = f"at least {CLOSEST_MM} mm from {too_near[0]}: one point for each end of a vessel"
             raise InputError("two end points at one place", f"{key}.centre_mm", centre.tolist(), remedy)
         found.append((name, centre))
     return found
@@ -73,14 +73,14 @@ def check(volume, ends):
     for name, centre in ends:
         if _hu(volume, centre) is None:
             value = f"{np.round(centre, 2).tolist()} mm, the volume reaches from {low} to {high}"
-            remedy = f"{OUTSIDE} ({volumes.FRAMES}){_reversed(volume, centre)}"
+            remedy = f"{END_POINTS_REMEDY} ({volumes.FRAMES_HINT}){_reversed_hint(volume, centre)}"
             raise InputError("the end point lies outside the image", name, value, remedy)
     name, inlet = ends[0]
     hu = _hu(volume, inlet)
     if hu < LEAST_BLOOD_HU:
         value = f"{hu:.0f} HU at {np.round(inlet, 2).tolist()} mm, contrast-filled blood has {LEAST_BLOOD_HU:g} or more"
-        remedy = f"{OUTSIDE}, on the vessel's axis; mm, not voxel numbers ({volumes.FRAMES})"
-        remedy += _reversed(volume, inlet)
+        remedy = f"{END_POINTS_REMEDY}, on the vessel's axis; mm, not voxel numbers ({volumes.FRAMES_HINT})"
+        remedy += _reversed_hint(volume, inlet)
         raise InputError("the end point is not in a contrast-filled vessel", name, value, remedy)
 
 
@@ -90,9 +90,9 @@ def _hu(volume, point):
     return paths.blood_hu(volume.image, inside) if volume.image.index(inside)[1] else None
 
 
-def _reversed(volume, point):
+def _reversed_hint(volume, point):
     """Text to add to a remedy if the point would lie in contrast with x and y reversed; empty otherwise."""
-    other = REVERSED * point
+    other = RAS_TO_LPS * point
     hu = _hu(volume, other)
     if hu is None or hu < LEAST_BLOOD_HU:
         return ""

@@ -14,9 +14,9 @@ from common.implicit.curves import Curve
 
 SEED_RADIUS_MM = 0.6  # radius of the ball in which the blood's CT number is averaged
 # Shares of the blood's CT number: above the first a path may cross a voxel, above the second the voxel is lumen.
-PASSABLE, LUMEN = 0.2, 0.5
-BRIGHT = 1.15  # ratio to the brightest end's blood: calcium and metal are brighter
-RISES = 1.5  # largest ratio of the blood at another end to that at the inlet; brighter places are calcium
+PASSABLE_SHARE, LUMEN_SHARE = 0.2, 0.5
+BRIGHT_RATIO = 1.15  # ratio to the brightest end's blood: calcium and metal are brighter
+LARGEST_BLOOD_RISE = 1.5  # largest ratio of the blood at another end to that at the inlet; brighter places are calcium
 SMOOTHING_MM = 0.15  # rms distance per coordinate of a smoothed axis from the voxels of its path
 
 
@@ -56,17 +56,17 @@ def _graph(cost, spacing_mm):
         step = np.array([dx, dy, dz]) - 1
         if tuple(step) <= (0, 0, 0):
             continue
-        here = tuple(slice(max(-d, 0), n - max(d, 0)) for d, n in zip(step, cost.shape))
-        there = tuple(slice(max(d, 0), n - max(-d, 0)) for d, n in zip(step, cost.shape))
-        both = (number[here] >= 0) & (number[there] >= 0)
-        rows.append(number[here][both])
-        columns.append(number[there][both])
-        weights.append(np.linalg.norm(step * spacing_mm) * 0.5 * (cost[here][both] + cost[there][both]))
+        lower = tuple(slice(max(-d, 0), n - max(d, 0)) for d, n in zip(step, cost.shape))
+        upper = tuple(slice(max(d, 0), n - max(-d, 0)) for d, n in zip(step, cost.shape))
+        both = (number[lower] >= 0) & (number[upper] >= 0)
+        rows.append(number[lower][both])
+        columns.append(number[upper][both])
+        weights.append(np.linalg.norm(step * spacing_mm) * 0.5 * (cost[lower][both] + cost[upper][both]))
     rows, columns = np.concatenate(rows), np.concatenate(columns)
     return csr_matrix((np.concatenate(weights), (rows, columns)), shape=(len(cells),) * 2), cells
 
 
-def find(image, ends):
+def find_branches(image, ends):
     """[Line] of all branches, the main vessel first. ends: [(name, centre (3,) mm)] within the image, the inlet first.
 
     A path's cost per mm is about 1 / (distance from the lumen's edge)^2 where the CT number is above half the blood's.
@@ -74,18 +74,18 @@ def find(image, ends):
     InputError for an end point that is not in a vessel, ComputationError if an end cannot be reached.
     """
     blood = blood_hu(image, ends[0][1])
-    top = min(max(blood_hu(image, centre) for _, centre in ends), RISES * blood)
+    top = min(max(blood_hu(image, centre) for _, centre in ends), LARGEST_BLOOD_RISE * blood)
     smooth = gaussian_filter(image.values.astype(np.float32), 0.25 / image.spacing_mm)
-    lumen = (smooth > LUMEN * blood) & (smooth < BRIGHT * top)
+    lumen = (smooth > LUMEN_SHARE * blood) & (smooth < BRIGHT_RATIO * top)
     depth = distance_transform_edt(lumen, sampling=image.spacing_mm)
-    cost = np.where(lumen, 1 / (0.1 + depth) ** 2, 100.0 * (LUMEN * blood / np.maximum(smooth, 1.0)) ** 2)
-    cost[smooth > BRIGHT * top] = 400.0
-    cost[smooth < PASSABLE * blood] = np.inf
+    cost = np.where(lumen, 1 / (0.1 + depth) ** 2, 100.0 * (LUMEN_SHARE * blood / np.maximum(smooth, 1.0)) ** 2)
+    cost[smooth > BRIGHT_RATIO * top] = 400.0
+    cost[smooth < PASSABLE_SHARE * blood] = np.inf
     seeds = [_seed(image, smooth, name, centre, blood) for name, centre in ends]
     parts, _ = label(np.isfinite(cost), np.ones((3, 3, 3)))
     for (name, _), seed in zip(ends, seeds):
         if parts[seed] != parts[seeds[0]]:
-            value = f"nowhere more than {PASSABLE:g} of the blood's {blood:.0f} HU all the way"
+            value = f"nowhere more than {PASSABLE_SHARE:g} of the blood's {blood:.0f} HU all the way"
             remedy = (
                 "check that the point lies in the inlet's vessel; end an occluded one before its occlusion, or give"
             )
@@ -112,9 +112,9 @@ def _seed(image, smooth, name, centre, blood):
     box = tuple(slice(max(i - 1, 0), i + 2) for i in index)
     best = np.unravel_index(np.argmax(smooth[box]), smooth[box].shape)
     seed = tuple(int(s.start + b) for s, b in zip(box, best))
-    if smooth[seed] < LUMEN * blood:
+    if smooth[seed] < LUMEN_SHARE * blood:
         value = f"{smooth[seed]:.0f} HU where blood is {blood:.0f}"
-        remedy = f"put it on the vessel's axis, where at least {LUMEN:g} of the blood's HU are; the inlet's too"
+        remedy = f"put it on the vessel's axis, where at least {LUMEN_SHARE:g} of the blood's HU are; the inlet's too"
         remedy += "; mm in the volume's own coordinates, not voxel numbers"
         raise InputError("the end point is not in a contrast-filled vessel", name, value, remedy)
     return seed
@@ -125,7 +125,7 @@ def _length(points):
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 
-def smoothed(points, spread_mm=SMOOTHING_MM):
+def smooth_curve(points, spread_mm=SMOOTHING_MM):
     """Curve by a smoothing spline whose rms distance from points (n, 3) is about spread_mm per coordinate."""
     s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     keep = np.concatenate([[True], np.diff(s) > 1e-6])
@@ -153,21 +153,21 @@ def _branches(chains, centres):
         chain = chains[number].copy()
         chain[0], chain[-1] = centres[0], centres[number + 1]
         if rank == 0:
-            lines.append(Line(smoothed(chain), -1, int(number) + 1))
+            lines.append(Line(smooth_curve(chain), -1, int(number) + 1))
             raw.append(chain)
             continue
         # The parent is the branch that shares the longest stretch with the chain.
-        shared = [_shared(chain, other) for other in raw]
+        shared = [_shared_points(chain, other) for other in raw]
         parent = int(np.argmax(shared))
         leaves = max(shared[parent] - 1, 0)
         axis = lines[parent].axis
         start = axis.point(axis.nearest(chain[leaves : leaves + 1]))[0]
-        lines.append(Line(smoothed(np.concatenate([start[None], chain[leaves + 2 :]])), parent, int(number) + 1))
+        lines.append(Line(smooth_curve(np.concatenate([start[None], chain[leaves + 2 :]])), parent, int(number) + 1))
         raw.append(chain)
     return lines
 
 
-def _shared(chain, other):
+def _shared_points(chain, other):
     """Number of points that two chains share from the inlet on."""
     count = min(len(chain), len(other)) - 1
     same = np.all(np.abs(chain[1:count] - other[1:count]) < 1e-9, axis=1)

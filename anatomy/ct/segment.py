@@ -19,11 +19,11 @@ from .rays import edges
 from .tubes import LevelField, Tube, TubeField
 
 SCHEMA = "vci-segmentation-1"
-CENTRINGS = 3  # rounds in which an axis is centred on its sections
+CENTRING_ROUNDS = 3  # rounds in which an axis is centred on its sections
 FEW_RAYS = 8  # rays: enough to sample the blood near the axis
 USUAL_FWHM_MM = 0.7  # point spread that is assumed if the image does not show it
-FARTHEST_MM = 2.0  # from a line's end to its end point: about a vessel's radius, since both are picked by hand
-FEWEST_OUTSIDE = 5  # sections of a branch outside its parent that its radii need
+FARTHEST_END_MM = 2.0  # from a line's end to its end point: about a vessel's radius, since both are picked by hand
+FEWEST_OWN_SECTIONS = 5  # sections of a branch outside its parent that its radii need
 LEAST_CONTRAST = 6.0  # contrast of blood and wall over noise; below it radii are off by 0.2 mm and ends may not close
 MARGIN_MM = 30.0  # of the volume that is used round the end points, since vessels bow out between them
 
@@ -42,19 +42,19 @@ def run(image_path, ends, out, settings_path=None, centreline_path=None, series=
     lines = (
         "a .vtp of lines from the inlet on, each with its name in the cells' text array branch_name: main, side1, ..."
     )
-    given = vtp.read_named_lines(centreline_path, lines) if centreline_path else None
+    user_lines = vtp.read_named_lines(centreline_path, lines) if centreline_path else None
     ends_check.check(volume, ends)
     inside = [(name, volume.to_image(centre)) for name, centre in ends]
-    given = {name: volume.to_image(points) for name, points in given.items()} if given else None
+    user_lines = {name: volume.to_image(points) for name, points in user_lines.items()} if user_lines else None
     image = volume.image.cropped(np.array([centre for _, centre in inside]), MARGIN_MM)
     print("finding the centreline", file=sys.stderr)
-    found = segment(image, inside, settings, given, stented)
-    points, triangles, on_cap = _surface(found, settings["surface_spacing_mm"], volume)
-    thickness, kind = calcium.behind(points, found)
+    segmentation = segment(image, inside, settings, user_lines, stented)
+    points, triangles, on_cap = _surface(segmentation, settings["surface_spacing_mm"], volume)
+    thickness, kind = calcium.plaque_behind(points, segmentation)
     poly = vtp.surface(volume.to_patient(points), triangles)
     vtp.add_array(poly.GetPointData(), "plaque_thickness_mm", np.where(on_cap, 0.0, thickness))
     vtp.add_array(poly.GetPointData(), "plaque_type", np.where(on_cap, calcium.NONE, kind).astype(np.int32))
-    document = _document(found, settings, pathlib.Path(image_path).name, bool(given), volume, stented)
+    document = _document(segmentation, settings, pathlib.Path(image_path).name, bool(user_lines), volume, stented)
     vtp.write(pathlib.Path(out) / "lumen.vtp", poly)
     write_json(pathlib.Path(out) / "segmentation.json", document)
     for warning in document["warnings"]:
@@ -62,13 +62,13 @@ def run(image_path, ends, out, settings_path=None, centreline_path=None, series=
     return document
 
 
-def _surface(found, spacing_mm, volume):
-    """The result of surface.build() for the lumen `found` (segment()). Its ComputationError tells what to change."""
+def _surface(segmentation, spacing_mm, volume):
+    """The result of surface.build() for the result of segment(). Its ComputationError tells what to change."""
     try:
-        return surface.build(found["field"], spacing_mm)
+        return surface.build(segmentation["field"], spacing_mm)
     except ComputationError as error:
-        ends = "; ".join(f"{name} {np.round(volume.to_patient(at), 2).tolist()}" for name, at in found["ends"])
-        contrast = (found["blood_hu"] - edges.HEALTHY_WALL_HU) / max(found["noise_hu"], 1e-9)
+        ends = "; ".join(f"{name} {np.round(volume.to_patient(at), 2).tolist()}" for name, at in segmentation["ends"])
+        contrast = (segmentation["blood_hu"] - edges.HEALTHY_WALL_HU) / max(segmentation["noise_hu"], 1e-9)
         value = f"with {spacing_mm} mm, ends {ends}, contrast over noise {contrast:.1f}"
         remedy = "put the end points on the vessel's axis, where it is round; or give your own lines (--centreline, in"
         remedy += " a case ct: centreline) where a path left the vessel, as it does into a chamber that touches it; or"
@@ -79,20 +79,20 @@ def _surface(found, spacing_mm, volume):
         ) from error
 
 
-def _given_lines(given, ends):
+def _lines_of_user(user_lines, ends):
     """[paths.Line] of the user's centreline, {branch: points (n, 3)}. ends: as for segment().
 
-    Raises InputError unless each line ends within FARTHEST_MM of an outlet's point, and exactly one at each outlet.
+    Raises InputError unless each line ends within FARTHEST_END_MM of an outlet's point, and exactly one at each outlet.
     """
-    lines, axes = [], {name: paths.smoothed(points, 0.01) for name, points in given.items()}
+    lines, axes = [], {name: paths.smooth_curve(points, 0.01) for name, points in user_lines.items()}
     names = list(axes)
     for rank, (name, axis) in enumerate(axes.items()):
         miss = [np.linalg.norm(axis.points_mm[-1] - centre) for _, centre in ends[1:]]
-        if min(miss) > FARTHEST_MM:
+        if min(miss) > FARTHEST_END_MM:
             remedy = (
-                f"each line from the inlet on to within {FARTHEST_MM:g} mm of an outlet's point, in the volume's own"
+                f"each line from the inlet on to within {FARTHEST_END_MM:g} mm of an outlet's point, in the volume's"
             )
-            remedy += f" coordinates ({volumes.FRAMES})"
+            remedy += f" own coordinates ({volumes.FRAMES_HINT})"
             raise InputError("the centreline ends away from every end point", name, f"{min(miss):.1f} mm", remedy)
         start = axis.points_mm[0]
         away = [np.linalg.norm(axes[other].point(axes[other].nearest(start[None])) - start) for other in names[:rank]]
@@ -106,39 +106,39 @@ def _given_lines(given, ends):
     return lines
 
 
-def segment(volume, ends, settings, given=None, stented=False):
+def segment(volume, ends, settings, user_lines=None, stented=False):
     """The lumen in an image, as a dict: its implicit field, the lines, tubes and profiles, CT numbers, warnings.
 
     volume: common.volume.Image. ends: [(name, centre (3,) in mm)], the inlet first, in the image's coordinates.
-    settings: the section `segmentation`. given: the user's centreline, {branch: points (n, 3) in mm}, or None. stented:
-    whether the vessels hold a stent, as the user says.
+    settings: the section `segmentation`. user_lines: the user's centreline, {branch: points (n, 3) in mm}, or None.
+    stented: whether the vessels hold a stent, as the user says.
     """
     smoothing, scan = settings["smoothing_fwhm_mm"] * SIGMA_PER_FWHM, volume
     if smoothing > 0:
         smooth = gaussian_filter(volume.values.astype(np.float32), smoothing / volume.spacing_mm)
         volume = Image(smooth, volume.origin_mm, volume.spacing_mm)
-    lines = _given_lines(given, ends) if given else paths.find(volume, ends)
-    at, spacing, rays = volume.interpolator(), settings["section_spacing_mm"], settings["rays"]
-    blood = _main_blood(at, lines[0], spacing, rays)
-    tubes = _first_tubes(at, lines, blood, spacing, rays, stented)
-    main = blood_level.levelled(edges.sample(at, lines[0].axis, spacing, rays), lines[0].blood, blood)
+    lines = _lines_of_user(user_lines, ends) if user_lines else paths.find_branches(volume, ends)
+    hu_at, spacing, rays = volume.interpolator(), settings["section_spacing_mm"], settings["rays"]
+    blood = _set_main_blood(hu_at, lines[0], spacing, rays)
+    tubes = _first_tubes(hu_at, lines, blood, spacing, rays, stented)
+    main = blood_level.level_contrast(edges.sample(hu_at, lines[0].axis, spacing, rays), lines[0].blood, blood)
     _check_noise(main, float(np.median(lines[0].blood(main.s_mm))))
     measured = edges.point_spread(main, tubes[0].radii_mm, blood)
     sigma = measured or np.hypot(USUAL_FWHM_MM * SIGMA_PER_FWHM, smoothing)  # the measured sigma includes the smoothing
     if settings["psf_fwhm_mm"] != "auto":
-        given_sigma = settings["psf_fwhm_mm"] * SIGMA_PER_FWHM
-        sigma = np.sqrt(given_sigma**2 + smoothing**2 + np.mean(volume.spacing_mm**2) / 12)
-    blood = _settled_blood(at, lines, tubes, spacing, sigma)
+        user_sigma = settings["psf_fwhm_mm"] * SIGMA_PER_FWHM
+        sigma = np.sqrt(user_sigma**2 + smoothing**2 + np.mean(volume.spacing_mm**2) / 12)
+    blood = _refine_blood(hu_at, lines, tubes, spacing, sigma)
     method = "half_maximum" if settings["method"] == "threshold" else settings["method"]
     result, profiles, replaced = [], [], []
     for rank, line in enumerate(lines):
         parent = result[line.parent] if rank else None
-        tube, profile, bad = _tube(at, line, parent, method, blood, sigma, spacing, rays, stented)
+        tube, profile, bad = _measure_tube(hu_at, line, parent, method, blood, sigma, spacing, rays, stented)
         tube.name = "main" if rank == 0 else f"side{rank}"
         result.append(tube)
         profiles.append(profile)
         replaced.append(bad)
-    tissue = [edges.wall_level(p, t.radii_mm, blood) for p, t in zip(profiles, result)]
+    tissue = [edges.tissue_hu(p, t.radii_mm, blood) for p, t in zip(profiles, result)]
     field, level = TubeField(result), None
     if settings["method"] == "threshold":
         level = settings["threshold_hu"]
@@ -146,13 +146,15 @@ def segment(volume, ends, settings, given=None, stented=False):
         if level == "auto":
             level = 0.5 * (blood + float(np.median(tissue[0])))
             levels = [level + 0.5 * (line.blood(tube.s_mm) - blood) for line, tube in zip(lines, result)]
-        field = LevelField(result, at, level, blood / (2.5 * sigma), levels)
-    bright = [edges.bright(profile, blood, stented) for profile in profiles]
+        field = LevelField(result, hu_at, level, blood / (2.5 * sigma), levels)
+    bright = [edges.bright_rays(profile, blood, stented) for profile in profiles]
     noise = edges.noise_hu(profiles[0].hu, profiles[0], blood)
-    doubts = warnings.find(lines, result, profiles, bright, ends, (blood, noise), settings, measured is None, stented)
-    doubts += saturation.find(scan, result)
+    found_warnings = warnings.find_warnings(
+        lines, result, profiles, bright, ends, (blood, noise), settings, measured is None, stented
+    )
+    found_warnings += saturation.find_warnings(scan, result)
     if settings["method"] == "psf_edge":
-        doubts += wall.find(result[0], profiles[0], bright[0], blood)
+        found_warnings += wall.find_warnings(result[0], profiles[0], bright[0], blood)
     return {
         "field": field,
         "lines": lines,
@@ -160,14 +162,14 @@ def segment(volume, ends, settings, given=None, stented=False):
         "replaced": replaced,
         "profiles": profiles,
         "bright": bright,
-        "at": at,
+        "at": hu_at,
         "ends": ends,
         "blood_hu": blood,
         "noise_hu": noise,
         "tissue_hu": float(np.median(tissue[0])),
         "sigma_mm": float(sigma),
         "level_hu": level,
-        "warnings": doubts,
+        "warnings": found_warnings,
     }
 
 
@@ -183,14 +185,14 @@ def _check_noise(profiles, blood):
         raise ComputationError("the contrast is too low against the noise", "CT volume", value, remedy)
 
 
-def _main_blood(at, main, spacing_mm, rays):
+def _set_main_blood(hu_at, main, spacing_mm, rays):
     """Sets the blood's trend of the main vessel's Line. Returns its median: the CT number that stands for the blood."""
-    profiles = edges.sample(at, main.axis, spacing_mm, rays)
-    main.blood = blood_level.first(profiles)
+    profiles = edges.sample(hu_at, main.axis, spacing_mm, rays)
+    main.blood = blood_level.first_trend(profiles)
     return float(np.median(main.blood(profiles.s_mm)))
 
 
-def _first_tubes(at, lines, blood, spacing_mm, rays, stented):
+def _first_tubes(hu_at, lines, blood, spacing_mm, rays, stented):
     """[Tube] of all lines, by half maximum. Meanwhile each Line's axis is centred, and its blood's trend is set."""
     tubes = []
     for line in lines:
@@ -198,51 +200,55 @@ def _first_tubes(at, lines, blood, spacing_mm, rays, stented):
         if parent is not None:
             start = lines[line.parent].axis.nearest(line.axis.points_mm[:1])
             line.blood = blood_level.Trend(0.0, lines[line.parent].blood(start))
-        for turn in range(CENTRINGS + 1):
-            tube = _tube(at, line, parent, "half_maximum", blood, None, spacing_mm, rays, stented)[0]
-            line.blood = blood_level.within(edges.sample(at, line.axis, spacing_mm, FEW_RAYS), tube, line.blood)
-            if turn < CENTRINGS:
-                line.axis = _centred(tube, parent)
+        for turn in range(CENTRING_ROUNDS + 1):
+            tube = _measure_tube(hu_at, line, parent, "half_maximum", blood, None, spacing_mm, rays, stented)[0]
+            line.blood = blood_level.refined_trend(
+                edges.sample(hu_at, line.axis, spacing_mm, FEW_RAYS), tube, line.blood
+            )
+            if turn < CENTRING_ROUNDS:
+                line.axis = _centred_axis(tube, parent)
         tubes.append(tube)
     return tubes
 
 
-def _settled_blood(at, lines, tubes, spacing_mm, sigma_mm):
+def _refine_blood(hu_at, lines, tubes, spacing_mm, sigma_mm):
     """Sets the blood's trend of each Line anew, with the point spread sigma_mm. Returns the main vessel's median."""
     for line, tube in zip(lines, tubes):
-        profiles = edges.sample(at, line.axis, spacing_mm, FEW_RAYS)
-        line.blood = blood_level.within(profiles, tube, line.blood, sigma_mm)
+        profiles = edges.sample(hu_at, line.axis, spacing_mm, FEW_RAYS)
+        line.blood = blood_level.refined_trend(profiles, tube, line.blood, sigma_mm)
     return float(np.median(lines[0].blood(tubes[0].s_mm)))
 
 
-def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays, stented=False):
+def _measure_tube(hu_at, line, parent, method, blood, sigma_mm, spacing_mm, rays, stented=False):
     """(Tube, Profiles, replaced rays (n, m) of bool) of one branch. parent: its parent's Tube or None.
 
     Within its parent the branch gets the radii of its first section outside. Raises ComputationError if too little of
     the branch is outside the parent.
     """
-    profiles = edges.sample(at, line.axis, spacing_mm, rays)
+    profiles = edges.sample(hu_at, line.axis, spacing_mm, rays)
     if line.blood is not None:
-        profiles = blood_level.levelled(profiles, line.blood, blood)
-    radii, bad = edges.find(profiles, method, blood, sigma_mm, stented)
+        profiles = blood_level.level_contrast(profiles, line.blood, blood)
+    radii, bad = edges.find_edges(profiles, method, blood, sigma_mm, stented)
     if parent is not None:
-        inside = _within_parent(line.axis, profiles.s_mm, parent)
-        if len(radii) - inside < FEWEST_OUTSIDE:
+        inside = _sections_within_parent(line.axis, profiles.s_mm, parent)
+        if len(radii) - inside < FEWEST_OWN_SECTIONS:
             step = profiles.s_mm[1]
-            value = f"{step * (len(radii) - inside):.1f} mm of it outside, {step * FEWEST_OUTSIDE:.1f} mm are needed"
+            value = (
+                f"{step * (len(radii) - inside):.1f} mm of it outside, {step * FEWEST_OWN_SECTIONS:.1f} mm are needed"
+            )
             remedy = "move its end point along the branch, away from the parent, or leave the branch out"
             raise ComputationError(
                 "a branch hardly leaves its parent", f"outlet {line.end} of those given", value, remedy
             )
         # The radii are found again from the sections outside the parent alone, so that no filter mixes in others.
-        own, own_bad = edges.find(profiles.after(inside), method, blood, sigma_mm, stented)
+        own, own_bad = edges.find_edges(profiles.sections_from(inside), method, blood, sigma_mm, stented)
         radii = np.concatenate([np.repeat(own[:1], inside, axis=0), own])
         bad = np.concatenate([np.ones((inside, rays), bool), own_bad])
     tube = Tube(None if parent is None else parent.name, line.axis, profiles.s_mm, profiles.theta, radii)
     return tube, profiles, bad
 
 
-def _within_parent(axis, s_mm, parent):
+def _sections_within_parent(axis, s_mm, parent):
     """Number of sections at a branch's start whose rays would run into its parent; all if it never leaves that."""
     points = axis.point(s_mm)
     on_parent = parent.axis.nearest(points)
@@ -252,32 +258,32 @@ def _within_parent(axis, s_mm, parent):
     return int(np.argmax(clear)) if clear.any() else len(s_mm)
 
 
-def _centred(tube, parent):
+def _centred_axis(tube, parent):
     """The Curve of a Tube's axis after moving it to the centroids of its sections, by at most 0.5 mm, and smoothing."""
     theta = np.linspace(0, 2 * np.pi, tube.radii_mm.shape[1], endpoint=False)
     third, second = tube.radii_mm**3, tube.radii_mm**2
     u = (third * np.cos(theta)).sum(axis=1) / (1.5 * second.sum(axis=1))
     v = (third * np.sin(theta)).sum(axis=1) / (1.5 * second.sum(axis=1))
-    shift = edges.along(np.stack([u, v], axis=1), tube.s_mm)
+    shift = edges.smooth_along(np.stack([u, v], axis=1), tube.s_mm)
     size = np.linalg.norm(shift, axis=1, keepdims=True)
     shift *= np.minimum(1, 0.5 / np.maximum(size, 1e-9))
     if parent is not None:
-        inside = _within_parent(tube.axis, tube.s_mm, parent)
+        inside = _sections_within_parent(tube.axis, tube.s_mm, parent)
         shift[:inside] *= np.linspace(0, 1, inside + 1)[:-1, None]
     _, normal, binormal = tube.axis.frame(tube.s_mm)
     points = tube.axis.point(tube.s_mm) + shift[:, :1] * normal + shift[:, 1:] * binormal
-    return paths.smoothed(points, 0.04)
+    return paths.smooth_curve(points, 0.04)
 
 
-def _document(found, settings, image_name, given, volume, stented):
-    """The content of segmentation.json (docs/design.md). found: the result of segment()."""
+def _document(segmentation, settings, image_name, centreline_given, volume, stented):
+    """The content of segmentation.json (docs/design.md). segmentation: the result of segment()."""
     branches = []
-    for line, tube, bad in zip(found["lines"], found["tubes"], found["replaced"]):
+    for line, tube, bad in zip(segmentation["lines"], segmentation["tubes"], segmentation["replaced"]):
         branches.append(
             {
                 "name": tube.name,
                 "parent": tube.parent,
-                "end": found["ends"][line.end][0],
+                "end": segmentation["ends"][line.end][0],
                 "length_mm": tube.axis.length_mm,
                 "replaced_rays_percent": float(100 * bad.mean()),
                 "s_mm": tube.s_mm.round(4).tolist(),
@@ -289,16 +295,20 @@ def _document(found, settings, image_name, given, volume, stented):
     return {
         "schema": SCHEMA,
         "image": image_name,
-        "centreline": "given by the user" if given else "cheapest paths through the contrast, centred on its sections",
+        "centreline": "given by the user"
+        if centreline_given
+        else "cheapest paths through the contrast, centred on its sections",
         "method": settings["method"],
         "stented": stented,
-        "blood_hu": found["blood_hu"],
-        "noise_hu": found["noise_hu"],
-        "tissue_hu": found["tissue_hu"],
-        "threshold_hu": found["level_hu"],
-        "point_spread_fwhm_mm": found["sigma_mm"] / SIGMA_PER_FWHM,
+        "blood_hu": segmentation["blood_hu"],
+        "noise_hu": segmentation["noise_hu"],
+        "tissue_hu": segmentation["tissue_hu"],
+        "threshold_hu": segmentation["level_hu"],
+        "point_spread_fwhm_mm": segmentation["sigma_mm"] / SIGMA_PER_FWHM,
         "settings": settings,
-        "ends": [{"name": name, "centre_mm": volume.to_patient(centre).tolist()} for name, centre in found["ends"]],
+        "ends": [
+            {"name": name, "centre_mm": volume.to_patient(centre).tolist()} for name, centre in segmentation["ends"]
+        ],
         "branches": branches,
-        "warnings": found["warnings"],
+        "warnings": segmentation["warnings"],
     }

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.interpolate import RectBivariateSpline
 from scipy.spatial import cKDTree
 
-from common.implicit.field import BAND_MM, LumenField
+from common.implicit.field import NARROW_BAND_MM, LumenField
 
 
 class Tube:
@@ -21,7 +21,7 @@ class Tube:
         angles = np.concatenate([theta[0] + step * np.arange(-3, 0), theta, theta[-1] + step * np.arange(1, 4)])
         self._spline = RectBivariateSpline(s_mm, angles, wrapped)
         self.s_mm, self.radii_mm = s_mm, radii_mm
-        self.healthy_mm = radii_mm.max(axis=1)
+        self.healthy_radius_mm = radii_mm.max(axis=1)
         self._mean = np.sqrt(np.mean(radii_mm**2, axis=1))
 
     def radius(self, s_mm):
@@ -51,18 +51,18 @@ class TubeField(LumenField):
 class LevelField(LumenField):
     """The image's own level set near the tubes' axes: (level - HU) over a typical slope, roughly a distance in mm."""
 
-    def __init__(self, branches, at, level_hu, slope_hu_per_mm, levels=None):
-        """at: function of points (n, 3) that gives the image's HU. slope_hu_per_mm: typical fall of the HU at the wall.
+    def __init__(self, branches, hu_at, level_hu, slope_hu_per_mm, levels=None):
+        """hu_at: function of points (n, 3) that gives the image's HU. slope_hu_per_mm: usual fall of HU at the wall.
 
         levels: for each branch the level (n,) in HU at its sections, if the level follows the blood's CT number along
         the branch; None if level_hu holds everywhere.
         """
         super().__init__(branches)
-        self._at, self._level, self._slope = at, level_hu, slope_hu_per_mm
-        self._near = cKDTree(np.concatenate([b.axis.point(b.s_mm) for b in branches])) if levels else None
+        self._hu_at, self._level, self._slope = hu_at, level_hu, slope_hu_per_mm
+        self._section_tree = cKDTree(np.concatenate([b.axis.point(b.s_mm) for b in branches])) if levels else None
         self._levels = np.concatenate(levels) if levels else None
 
     def value(self, points_mm, iterations=4):
         """Field (n,) in mm, limited to the grid's band, since a level set far from the wall is meaningless."""
-        level = self._levels[self._near.query(points_mm)[1]] if self._near else self._level
-        return np.clip((level - self._at(points_mm)) / self._slope, -BAND_MM, BAND_MM)
+        level = self._levels[self._section_tree.query(points_mm)[1]] if self._section_tree else self._level
+        return np.clip((level - self._hu_at(points_mm)) / self._slope, -NARROW_BAND_MM, NARROW_BAND_MM)

@@ -10,14 +10,14 @@ import pydicom
 from common.errors import InputError
 from common.volume import Image
 
-SKEW = 1e-3  # largest cosine between two voxel axes: 0.2 mm over a heart; with a tilted gantry it is far larger
-UNEVEN = 0.25  # largest error of a slice's place over the slices' distance; rounding to 0.1 mm causes less
-SAME_PLACE_MM, ALIKE = 1e-3, 1e-3  # differences by rounding in a header: of places; of directions and sizes
+LARGEST_SKEW = 1e-3  # largest cosine between two voxel axes: 0.2 mm over a heart; with a tilted gantry it is far larger
+LARGEST_UNEVENNESS = 0.25  # largest error of a slice's place over the slices' distance; rounding to 0.1 mm causes less
+SAME_PLACE_MM, HEADER_TOLERANCE = 1e-3, 1e-3  # differences by rounding in a header: of places; of directions and sizes
 FEWEST_SLICES = 10  # of a series with a vessel; scouts and dose reports have fewer
 AIR_AND_FAT_HU = 0.0  # round any heart at least a hundredth of the voxels, air and fat, are darker than water
 AIR_HU = -1024.0  # the lowest CT number that scanners give
-FRAMES = "right-anterior-superior for NIfTI, left-posterior-superior for DICOM: x and y change sign between them"
-LENGTHS = {"meter": 1000.0, "mm": 1.0, "micron": 0.001, "unknown": 1.0}
+FRAMES_HINT = "right-anterior-superior for NIfTI, left-posterior-superior for DICOM: x and y change sign between them"
+MM_PER_UNIT = {"meter": 1000.0, "mm": 1.0, "micron": 0.001, "unknown": 1.0}
 
 
 @dataclass
@@ -48,24 +48,24 @@ def read(path, series=None):
     """
     path = pathlib.Path(path)
     if path.is_dir():
-        values, affine = _dicom(path, series)
+        values, affine = _read_dicom(path, series)
     elif path.is_file():
-        values, affine = _nifti(path)
+        values, affine = _read_nifti(path)
     else:
         raise InputError("no such CT volume", path, "missing", "a NIfTI file, or a folder with a DICOM series")
     if not np.isfinite(values).all():
         count = int((~np.isfinite(values)).sum())
         raise InputError("a CT number is not finite", path, f"{count} voxels", "export the volume again, as integers")
-    lowest = float(np.percentile(_within_padding(values[::2, ::2, ::2]), 1))
+    lowest = float(np.percentile(_without_padding(values[::2, ::2, ::2]), 1))
     if lowest > AIR_AND_FAT_HU:
         remedy = "give CT numbers in HU: the rescale intercept (often -1024) is missing, or it is no CT;"
         remedy += " a volume cropped to blood and muscle alone needs some fat or lung round it"
         value = f"only a hundredth of the voxels lie below {lowest:.0f} HU: no fat, no air"
         raise InputError("no CT numbers", path, value, remedy)
-    return _along_axes(values, affine, path)
+    return _align_to_axes(values, affine, path)
 
 
-def _within_padding(values):
+def _without_padding(values):
     """The values (k,) or (nx, ny, nz) without those of a padding, which fills corners and margins with one number.
 
     The lowest value counts as padding unless it may be air's, from AIR_HU to AIR_AND_FAT_HU.
@@ -75,7 +75,7 @@ def _within_padding(values):
     return inside if inside.size and not AIR_HU <= lowest < AIR_AND_FAT_HU else values
 
 
-def _along_axes(values, affine, path):
+def _align_to_axes(values, affine, path):
     """The Volume of values (nx, ny, nz) with the affine (4, 4) from voxel indices to mm.
 
     Its axes are swapped and reversed until they are right-handed and as near as possible to the patient's. No voxel
@@ -87,7 +87,7 @@ def _along_axes(values, affine, path):
         raise InputError("the volume has no place in space", path, affine[:3].tolist(), remedy)
     axes = affine[:3, :3] / spacing
     skew = np.abs(axes.T @ axes - np.eye(3)).max()
-    if skew > SKEW:
+    if skew > LARGEST_SKEW:
         value = f"{np.degrees(np.arcsin(min(skew, 1))):.2f} degrees off"
         remedy = "resample it to a rectangular grid (dcm2niix and 3D Slicer do): the gantry was tilted"
         raise InputError("the voxel axes are not at right angles", path, value, remedy)
@@ -104,7 +104,7 @@ def _along_axes(values, affine, path):
     return Volume(Image(np.ascontiguousarray(turned), origin, np.round(spacing, 6)), rotation)
 
 
-def _nifti(path):
+def _read_nifti(path):
     """(values (nx, ny, nz) in HU, affine (4, 4) from voxel indices to mm) of a NIfTI file."""
     try:
         found = nibabel.load(path)
@@ -126,14 +126,14 @@ def _nifti(path):
         raise InputError(
             "the volume has no place in space", f"{path}: qform, sform", "absent", "export it with one of them"
         )
-    scale = np.diag([LENGTHS[header.get_xyzt_units()[0]]] * 3 + [1.0])
+    scale = np.diag([MM_PER_UNIT[header.get_xyzt_units()[0]]] * 3 + [1.0])
     return values, scale @ found.affine
 
 
-def _dicom(folder, wanted):
+def _read_dicom(folder, series_uid):
     """(values (nx, ny, nz) in HU, affine (4, 4) from voxel indices to mm) of a folder's series.
 
-    wanted: the series' UID, or None if the folder has a single one.
+    series_uid: the series' UID, or None if the folder has a single one.
     """
     by_series = {}
     for file in sorted(file for file in folder.rglob("*") if file.is_file()):
@@ -147,20 +147,24 @@ def _dicom(folder, wanted):
             remedy = "convert it to NIfTI (dcm2niix)"
             raise InputError("one file with many frames is not read", file, f"{head.NumberOfFrames} frames", remedy)
     found = {uid: slices for uid, slices in by_series.items() if len(slices) >= FEWEST_SLICES}
-    if wanted is not None:
-        found = {uid: slices for uid, slices in found.items() if uid == wanted}
+    if series_uid is not None:
+        found = {uid: slices for uid, slices in found.items() if uid == series_uid}
     if len(found) != 1:
         names = [f"{uid} ({s[0][1].get('SeriesDescription', '')}, {len(s)} images)" for uid, s in by_series.items()]
         remedy = f"a folder with one series of {FEWEST_SLICES} images or more, or name its UID (ct: series, --series)"
         what = (
-            "several series in the folder" if found else "no such series" if wanted else "no DICOM series in the folder"
+            "several series in the folder"
+            if found
+            else "no such series"
+            if series_uid
+            else "no DICOM series in the folder"
         )
         raise InputError(what, folder, "; ".join(names) or "none", remedy)
-    return _stacked(next(iter(found.values())), folder)
+    return _stack_slices(next(iter(found.values())), folder)
 
 
-def _stacked(slices, folder):
-    """As _dicom(), from the [(file, header)] of one series."""
+def _stack_slices(slices, folder):
+    """As _read_dicom(), from the [(file, header)] of one series."""
     heads = [head for _, head in slices]
     if heads[0].get("Modality") != "CT":
         value = f"modality {heads[0].get('Modality')}"
@@ -168,7 +172,7 @@ def _stacked(slices, folder):
     names = [*["ImageOrientationPatient"] * 6, *["PixelSpacing"] * 2, "Rows", "Columns"]
     geometry = [(*map(float, h.ImageOrientationPatient), *map(float, h.PixelSpacing), h.Rows, h.Columns) for h in heads]
     lowest, highest = np.min(geometry, axis=0), np.max(geometry, axis=0)
-    if (highest - lowest).max() > ALIKE:
+    if (highest - lowest).max() > HEADER_TOLERANCE:
         k = int((highest - lowest).argmax())
         value, remedy = f"{names[k]} from {lowest[k]:g} to {highest[k]:g}", "a folder with one reconstruction alone"
         raise InputError("the images of the series differ in size or direction", folder, value, remedy)
@@ -182,7 +186,7 @@ def _stacked(slices, folder):
         value = f"{int((steps < SAME_PLACE_MM).sum())} images lie where another does, the first at {at} mm"
         raise InputError("several images of one slice", folder, value, "a folder with one phase of the heart alone")
     off = np.concatenate([[0], np.cumsum(steps - steps.mean())])
-    if np.abs(off).max() > UNEVEN * np.median(steps):
+    if np.abs(off).max() > LARGEST_UNEVENNESS * np.median(steps):
         at = int(np.abs(steps - np.median(steps)).argmax())
         value = f"{steps[at]:.3f} mm after image {at + 1} along the series, else {np.median(steps):.3f} mm"
         remedy = "the whole series, evenly reconstructed: an image is missing, or there are two slice distances"

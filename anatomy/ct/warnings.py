@@ -5,29 +5,36 @@ from scipy.spatial import cKDTree
 
 from .rays.edges import HEALTHY_WALL_HU
 
-NEAR_MM = 1.0  # beyond the lumen's edge: nearer bright places affect the edge by blooming
+BLOOMING_MM = 1.0  # beyond the lumen's edge: nearer bright places affect the edge by blooming
 CLOSE_CALCIUM_MM = 0.3  # nearer calcium gave areas of 0.94 to 1.20 of the true ones, farther calcium 0.85 to 1.02
-SHARE_OF_RAYS, ALL_ROUND = 0.05, 0.8  # shares of rays with calcium: for a warning; from which it may be a stent
-ONE_STRETCH_MM = 2.5  # bright stretches nearer to each other are one
+CALCIUM_RAY_SHARE, STENT_RAY_SHARE = (
+    0.05,
+    0.8,
+)  # shares of rays with calcium: for a warning; from which it may be a stent
+LARGEST_GAP_MM = 2.5  # bright stretches nearer to each other are one
 DOUBTFUL_CONTRAST = 10.0  # contrast over noise: at 10 radii were off by up to 0.06 mm, at 6 by 0.15 mm
 LOW_BLOOD_HU = 250.0  # with darker blood a wall 30 HU off the assumed 50 HU changes the contrast by 15 % and more
-END_MM, WIDER = 3.0, 1.1  # length of an end; ratio of the last end's radius to the first end's for a warning
+END_LENGTH_MM, WIDENING_RATIO = (
+    3.0,
+    1.1,
+)  # length of an end; ratio of the last end's radius to the first end's for a warning
 
 
-def find(lines, tubes, profiles, bright, ends, levels, settings, point_spread_assumed, stented):
+def find_warnings(lines, tubes, profiles, bright, ends, levels, settings, point_spread_assumed, stented):
     """[{code, branch, s_start_mm, s_end_mm, value, message}]: the warnings on a segmentation.
 
-    lines, tubes, profiles, bright: [paths.Line], [Tube], [Profiles] and [result of edges.bright()] of the branches.
-    ends: [(name, centre (3,) in mm)]. levels: (blood's CT number, its noise), HU. settings: the section `segmentation`.
-    point_spread_assumed: whether the image does not show it. stented: whether the user says that there is a stent.
+    lines, tubes, profiles, bright: [paths.Line], [Tube], [Profiles] and [result of edges.bright_rays()] of the
+    branches. ends: [(name, centre (3,) in mm)]. levels: (blood's CT number, its noise), HU. settings: the section
+    `segmentation`. point_spread_assumed: whether the image does not show it. stented: whether the user says that there
+    is a stent.
     """
     found, (blood_hu, noise_hu) = [], levels
     for line, tube, profile, places in zip(lines, tubes, profiles, bright):
         dark = profile.axis_hu / blood_hu
-        for a, b in runs(dark < settings["occluded_below"]):
+        for a, b in true_runs(dark < settings["occluded_below"]):
             least = float(dark[a:b].min())
             found.append(
-                entry(
+                warning_entry(
                     "occluded_by_voxels",
                     tube,
                     profile.s_mm[[a, b - 1]],
@@ -43,25 +50,25 @@ def find(lines, tubes, profiles, bright, ends, levels, settings, point_spread_as
             message = (
                 f"the axis ends {miss:.2f} mm from the end point {ends[line.end][0]}: move it to the vessel's middle"
             )
-            found.append(entry("end_off_axis", tube, [tube.axis.length_mm] * 2, miss, message))
+            found.append(warning_entry("end_off_axis", tube, [tube.axis.length_mm] * 2, miss, message))
     found += _low_contrast(tubes[0], blood_hu, noise_hu)
     if stented and not any(stent.any() for _, _, stent in bright):
         message = "called stented, but no section is bright all round: read as a vessel without a stent"
-        found.append(entry("no_stent_seen", tubes[0], [0.0, tubes[0].axis.length_mm], 0.0, message))
+        found.append(warning_entry("no_stent_seen", tubes[0], [0.0, tubes[0].axis.length_mm], 0.0, message))
     found += _widening(tubes[0])
     found += _close_pairs(lines, tubes)
     if point_spread_assumed and settings["psf_fwhm_mm"] == "auto" and settings["method"] == "psf_edge":
         message = "no section wide enough to measure the point spread; 0.7 mm is assumed (psf_fwhm_mm gives it)"
-        found.append(entry("point_spread_assumed", tubes[0], [0.0, tubes[0].axis.length_mm], 0.7, message))
+        found.append(warning_entry("point_spread_assumed", tubes[0], [0.0, tubes[0].axis.length_mm], 0.7, message))
     return found
 
 
 def _bright_stretches(tube, profile, places, method, stented):
-    """[entry] for stents, and for calcium whose blooming reaches the edge. They tell which way the area errs."""
+    """[warning_entry] for stents, and for calcium whose blooming reaches the edge. They say which way the area errs."""
     calcium, radius, stent = places
-    share = (calcium & (radius < tube.radii_mm + NEAR_MM)).mean(axis=1)
+    share = (calcium & (radius < tube.radii_mm + BLOOMING_MM)).mean(axis=1)
     found = []
-    for a, b in runs(_joined(share > SHARE_OF_RAYS, profile.s_mm)):
+    for a, b in true_runs(_fill_short_gaps(share > CALCIUM_RAY_SHARE, profile.s_mm)):
         most = float(share[a:b].max())
         message = f"calcium beside the lumen on up to {100 * most:.0f} % of the rays: "
         if method == "threshold":
@@ -69,24 +76,24 @@ def _bright_stretches(tube, profile, places, method, stented):
         else:
             message += "the edge is fitted inside it; the area may be 15 % too small, or 20 % too large where the"
             message += f" calcium is less than {CLOSE_CALCIUM_MM:g} mm from the lumen"
-        if most > ALL_ROUND and not stented:
+        if most > STENT_RAY_SHARE and not stented:
             message += "; if it is a stent, the area is far too small: say so (--stented, ct: stented: true in a case)"
-        found.append(entry("calcium_or_metal", tube, profile.s_mm[[a, b - 1]], most, message))
-    for a, b in runs(stent):
+        found.append(warning_entry("calcium_or_metal", tube, profile.s_mm[[a, b - 1]], most, message))
+    for a, b in true_runs(stent):
         message = "a stent's metal: " + (
             "its bloom is taken off; calcium behind it may still count as lumen, so the area may be too large"
             if method == "psf_edge"
             else "its bloom counts as lumen, so the area is too large; psf_edge takes it off"
         )
-        found.append(entry("calcium_or_metal", tube, profile.s_mm[[a, b - 1]], 1.0, message))
+        found.append(warning_entry("calcium_or_metal", tube, profile.s_mm[[a, b - 1]], 1.0, message))
     return found
 
 
-def _joined(flags, s_mm):
-    """flags (n,) with gaps shorter than ONE_STRETCH_MM filled."""
+def _fill_short_gaps(flags, s_mm):
+    """flags (n,) with gaps shorter than LARGEST_GAP_MM filled."""
     flags = flags.copy()
-    for a, b in runs(~flags):
-        if a > 0 and b < len(flags) and s_mm[b] - s_mm[a - 1] < ONE_STRETCH_MM:
+    for a, b in true_runs(~flags):
+        if a > 0 and b < len(flags) and s_mm[b] - s_mm[a - 1] < LARGEST_GAP_MM:
             flags[a:b] = True
     return flags
 
@@ -99,31 +106,33 @@ def _low_contrast(main, blood_hu, noise_hu):
             f"contrast over noise is {contrast / noise_hu:.1f} (blood {blood_hu:.0f} HU, noise {noise_hu:.0f}): below"
         )
         message += f" {DOUBTFUL_CONTRAST:g} radii are off by more than 0.06 mm; a softer kernel, or smoothing_fwhm_mm"
-        found.append(entry("noise", main, reach, float(contrast / noise_hu), message))
+        found.append(warning_entry("noise", main, reach, float(contrast / noise_hu), message))
     if blood_hu < LOW_BLOOD_HU:
         message = f"blood has {blood_hu:.0f} HU only: what the wall differs from the {HEALTHY_WALL_HU:.0f} HU assumed"
         message += " moves the edge; at 180 HU a wall of 80 made radii 0.3 mm too large"
-        found.append(entry("faint_blood", main, reach, float(blood_hu), message))
+        found.append(warning_entry("faint_blood", main, reach, float(blood_hu), message))
     return found
 
 
 def _widening(main):
     """Warns of a main vessel that is wider at its far end, since the end points may be in the wrong order."""
     areas = np.mean(main.radii_mm**2, axis=1)
-    first, last = (np.sqrt(areas[at].mean()) for at in (main.s_mm < END_MM, main.s_mm > main.s_mm[-1] - END_MM))
-    if last <= WIDER * first:
+    first, last = (
+        np.sqrt(areas[at].mean()) for at in (main.s_mm < END_LENGTH_MM, main.s_mm > main.s_mm[-1] - END_LENGTH_MM)
+    )
+    if last <= WIDENING_RATIO * first:
         return []
     message = f"the far end is {last / first:.2f} times as wide as the inlet: are the end points in order, inlet first?"
-    return [entry("widens_from_the_inlet", main, main.s_mm[[0, -1]], float(last / first), message)]
+    return [warning_entry("widens_from_the_inlet", main, main.s_mm[[0, -1]], float(last / first), message)]
 
 
-def runs(flags):
+def true_runs(flags):
     """[(start, stop)] of the stretches of True in flags (n,)."""
     edge = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
     return list(zip(edge[::2], edge[1::2]))
 
 
-def entry(code, tube, s_mm, value, message):
+def warning_entry(code, tube, s_mm, value, message):
     """A warning as segmentation.json holds it. s_mm: its (start, end). value: the figure that the warning is about."""
     start, end = float(s_mm[0]), float(s_mm[1])
     return {
@@ -148,7 +157,7 @@ def _close_pairs(lines, tubes):
                 radius = first.radius(first.s_mm[k])
                 for other in tree.query_ball_point(point, radius + second.radius(second.s_mm).max() + 0.3):
                     gap = np.linalg.norm(point - tree.data[other]) - radius - second.radius(second.s_mm[other])
-                    if gap < 0.3 and _apart(first, second, k, other, radius):
+                    if gap < 0.3 and _are_far_along(first, second, k, other, radius):
                         near.append((k, gap))
                         break
             if near:
@@ -156,11 +165,11 @@ def _close_pairs(lines, tubes):
                 least = float(min(gap for _, gap in near))
                 message = f"within {max(least, 0):.2f} mm of {second.name}: the image may have merged them; look there,"
                 message += " and give a centreline if the axis changes the vessel"
-                found.append(entry("close_vessels", first, at, least, message))
+                found.append(warning_entry("close_vessels", first, at, least, message))
     return found
 
 
-def _apart(first, second, k, other, radius):
+def _are_far_along(first, second, k, other, radius):
     """Whether section k of the Tube `first` and section `other` of `second` are far from each other along the vessels.
 
     radius: of section k, in mm.

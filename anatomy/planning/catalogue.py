@@ -6,8 +6,8 @@ import numpy as np
 
 from common.errors import InputError
 
-_BALLOON = ("shoulder_mm", "crimped_diameter_mm", "nominal_pressure_bar", "rated_burst_pressure_bar")
-_STENT = (
+_BALLOON_KEYS = ("shoulder_mm", "crimped_diameter_mm", "nominal_pressure_bar", "rated_burst_pressure_bar")
+_STENT_KEYS = (
     "crimped_diameter_mm",
     "strut_thickness_mm",
     "hoop_stiffness_n_per_mm",
@@ -18,12 +18,12 @@ _STENT = (
 )
 
 
-def key(family, diameter_mm, length_mm):
+def device_key(family, diameter_mm, length_mm):
     """Name of a sized device, e.g. des_3.50x18."""
     return f"{family}_{diameter_mm:.2f}x{length_mm:g}"
 
 
-def entries(families, family, diameter_mm, length_mm, where):
+def device_entries(families, family, diameter_mm, length_mm, where):
     """{key: entry} of a sized device and, for a stent, of its delivery balloon.
 
     families: {name: document} of config/devices. where: the place in the plan, for messages. Raises InputError if the
@@ -33,24 +33,26 @@ def entries(families, family, diameter_mm, length_mm, where):
         raise InputError(
             "no such device family", where, family, f"known: {', '.join(families)}; others by a file in config/devices"
         )
-    values = families[family]
+    family_document = families[family]
     for name, size in (("diameters_mm", diameter_mm), ("lengths_mm", length_mm)):
-        if size not in values[name]:
-            remedy = f"one of {values[name]}, or add it to {name} in config/devices/{family}.yaml if it is made"
+        if size not in family_document[name]:
+            remedy = (
+                f"one of {family_document[name]}, or add it to {name} in config/devices/{family}.yaml if it is made"
+            )
             raise InputError(f"size not in the catalogue of {family}", where, f"{size:g} mm", remedy)
-    if values["kind"] == "balloon":
-        return {key(family, diameter_mm, length_mm): _balloon(values, diameter_mm, length_mm)}
-    delivery = values["delivery_balloon"]
+    if family_document["kind"] == "balloon":
+        return {device_key(family, diameter_mm, length_mm): _balloon_entry(family_document, diameter_mm, length_mm)}
+    delivery = family_document["delivery_balloon"]
     return {
-        key(delivery, diameter_mm, length_mm): _balloon(families[delivery], diameter_mm, length_mm),
-        key(family, diameter_mm, length_mm): _stent(values, diameter_mm, length_mm),
+        device_key(delivery, diameter_mm, length_mm): _balloon_entry(families[delivery], diameter_mm, length_mm),
+        device_key(family, diameter_mm, length_mm): _stent_entry(family_document, diameter_mm, length_mm),
     }
 
 
 def balloon_family(families, family):
     """Name of the balloon family that inflates a device: its own, or a stent's delivery balloon."""
-    values = families[family]
-    return values["delivery_balloon"] if values["kind"] == "stent" else family
+    family_document = families[family]
+    return family_document["delivery_balloon"] if family_document["kind"] == "stent" else family
 
 
 def diameter_at(balloon, pressure_bar):
@@ -59,25 +61,25 @@ def diameter_at(balloon, pressure_bar):
     return float(np.interp(pressure_bar, chart["pressure_bar"], chart["diameter_mm"]))
 
 
-def pressure_for(balloon, diameter_mm, most_mm=math.inf):
-    """Pressure in whole bars at which a sized balloon is nearest to diameter_mm, and not wider than most_mm.
+def pressure_for(balloon, diameter_mm, largest_mm=math.inf):
+    """Pressure in whole bars at which a sized balloon is nearest to diameter_mm, and not wider than largest_mm.
 
     It is limited to the range from the balloon's nominal to its rated burst pressure.
     """
     chart = balloon["chart"]
-    wanted, most = np.interp([diameter_mm, most_mm], chart["diameter_mm"], chart["pressure_bar"])
-    pressure = min(round(wanted), math.floor(most + 1e-9))
+    wanted_bar, largest_bar = np.interp([diameter_mm, largest_mm], chart["diameter_mm"], chart["pressure_bar"])
+    pressure = min(round(wanted_bar), math.floor(largest_bar + 1e-9))
     return float(np.clip(pressure, balloon["nominal_pressure_bar"], balloon["rated_burst_pressure_bar"]))
 
 
-def _balloon(values, diameter_mm, length_mm):
-    chart = values["chart"]
+def _balloon_entry(family_document, diameter_mm, length_mm):
+    chart = family_document["chart"]
     return {
         "kind": "balloon",
         "nominal_diameter_mm": diameter_mm,
         "length_mm": length_mm,
-        **{name: values[name] for name in _BALLOON},
-        **{name: values[name] for name in ("folding",) if name in values},
+        **{name: family_document[name] for name in _BALLOON_KEYS},
+        **{name: family_document[name] for name in ("folding",) if name in family_document},
         "chart": {
             "pressure_bar": chart["pressure_bar"],
             "diameter_mm": [round(diameter_mm * percent / 100, 6) for percent in chart["diameter_percent"]],
@@ -85,13 +87,13 @@ def _balloon(values, diameter_mm, length_mm):
     }
 
 
-def _stent(values, diameter_mm, length_mm):
-    design = next(d for d in values["designs"] if diameter_mm <= d["up_to_diameter_mm"])
+def _stent_entry(family_document, diameter_mm, length_mm):
+    design = next(d for d in family_document["designs"] if diameter_mm <= d["up_to_diameter_mm"])
     return {
         "kind": "stent",
-        "balloon": key(values["delivery_balloon"], diameter_mm, length_mm),
+        "balloon": device_key(family_document["delivery_balloon"], diameter_mm, length_mm),
         "nominal_diameter_mm": diameter_mm,
         "length_mm": length_mm,
-        **{name: values[name] for name in _STENT},
+        **{name: family_document[name] for name in _STENT_KEYS},
         **{name: design[name] for name in ("maximal_diameter_mm", "crowns", "links")},
     }

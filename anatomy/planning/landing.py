@@ -1,6 +1,6 @@
 """Places the stents' ends in the most normal lumen beside the stretch that they cover.
 
-A stent's end is MARGIN_MM to WITHIN_MM beyond the stretch, where the lumen is nearest to the vessel's reference.
+A stent's end is MARGIN_MM to SEARCH_MM beyond the stretch, where the lumen is nearest to the vessel's reference.
 
 This follows the ACC consensus on intravascular ultrasound. Its reference is the most normal lumen beside the stenosis
 in the same segment of the vessel, without a large side branch between (Mintz et al., J Am Coll Cardiol
@@ -19,8 +19,8 @@ import numpy as np
 from common.errors import InputError
 
 MARGIN_MM = 2.0  # least length of stent beyond the stretch
-WITHIN_MM = 5.0  # distance from the stretch within which the landing zone is searched
-ALIKE_PERCENT = 5  # of the diameter, by which a landing zone may differ from the most normal lumen
+SEARCH_MM = 5.0  # distance from the stretch within which the landing zone is searched
+SIMILAR_PERCENT = 5  # of the diameter, by which a landing zone may differ from the most normal lumen
 OVERLAP_MM = 2.5  # of two stents in a row, so that there is no gap between them
 STEP_MM = 0.5  # between the places that are tried
 MOST_STENTS = 3  # three of 38 mm cover a whole left anterior descending artery; more is the operator's decision
@@ -44,20 +44,20 @@ class Span:
         return round(self.start + 0.5 * self.length, 3)
 
 
-def spans(target, lengths, where, least=1):
-    """[Span] of the stents that cover a targets.Target, the distal one first; at least `least` stents.
+def stent_spans(target, lengths, where, fewest=1):
+    """[Span] of the stents that cover a targets.Target, the distal one first; at least `fewest` stents.
 
     It is one stent if the catalogue's `lengths` (mm) suffice, else several of about equal length that overlap by
     OVERLAP_MM. where: the plan's place, for messages. Raises InputError if they cannot be placed.
     """
-    window = _window(target, where)
-    for count in range(least, MOST_STENTS + 1):
+    window = _edge_ranges(target, where)
+    for count in range(fewest, MOST_STENTS + 1):
         candidates = []
-        for rows in _rows(lengths, count):
-            candidates += _places(target.profile, window, rows)
+        for row in _length_combinations(lengths, count):
+            candidates += _candidate_places(target.profile, window, row)
         if candidates:
-            return _in_a_row(*min(candidates, key=lambda candidate: candidate[0])[1:])
-    shortest = lengths[0] * least - OVERLAP_MM * (least - 1)
+            return _overlapping_spans(*min(candidates, key=lambda candidate: candidate[0])[1:])
+    shortest = lengths[0] * fewest - OVERLAP_MM * (fewest - 1)
     lowest, highest = target.profile.limits_mm
     room = highest - lowest
     if room < max(shortest, target.end - target.start):
@@ -75,10 +75,10 @@ def spans(target, lengths, where, least=1):
     )
 
 
-def _window(target, where):
+def _edge_ranges(target, where):
     """((nearest, farthest) start, (nearest, farthest) end) of the stented length, as arc lengths in mm.
 
-    The nearest are MARGIN_MM beyond the target's stretch, the farthest WITHIN_MM, both limited to where stents may lie.
+    The nearest are MARGIN_MM beyond the target's stretch, the farthest SEARCH_MM, both limited to where stents may lie.
     """
     lowest, highest = target.profile.limits_mm
     if not lowest <= target.s_mla <= highest:
@@ -89,12 +89,12 @@ def _window(target, where):
             f" {target.profile.branch}",
             "give more of the vessel, or write the plan's steps",
         )
-    starts = max(target.start - MARGIN_MM, lowest), max(target.start - WITHIN_MM, lowest)
-    ends = min(target.end + MARGIN_MM, highest), min(target.end + WITHIN_MM, highest)
+    starts = max(target.start - MARGIN_MM, lowest), max(target.start - SEARCH_MM, lowest)
+    ends = min(target.end + MARGIN_MM, highest), min(target.end + SEARCH_MM, highest)
     return starts, ends
 
 
-def _rows(lengths, count):
+def _length_combinations(lengths, count):
     """Yields the possible lengths (mm) of `count` stents in a row, proximal first.
 
     They differ by at most one size of the catalogue.
@@ -103,13 +103,13 @@ def _rows(lengths, count):
         yield from itertools.product(lengths[first : first + 2], repeat=count)
 
 
-def _places(profile, window, row):
+def _candidate_places(profile, window, row):
     """[(cost, start, row)] of a row of stents at every place where it covers the stretch and stays in the branch.
 
-    row: lengths (mm) of the stents. window: as _window() returns it. start: arc length (mm) of the proximal end. cost:
-    a tuple, of which the smallest is best. Its first items are the length beyond the farthest ends, in steps, and the
-    number of ends in side branches' mouths. The others are the difference from the most normal lumen beyond
-    ALIKE_PERCENT, the total length, and the distance from the middle.
+    row: lengths (mm) of the stents. window: as _edge_ranges() returns it. start: arc length (mm) of the proximal end.
+    cost: a tuple, of which the smallest is best. Its first items are the length beyond the farthest ends, in steps, and
+    the number of ends in side branches' mouths. The others are the difference from the most normal lumen beyond
+    SIMILAR_PERCENT, the total length, and the distance from the middle.
     """
     (start_near, start_far), (end_near, end_far) = window
     total = sum(row) - OVERLAP_MM * (len(row) - 1)
@@ -124,12 +124,12 @@ def _places(profile, window, row):
     for start in np.append(np.arange(last, first, -STEP_MM), first):
         ends = (start, start + total)
         beyond = max(start_far - start, 0.0) + max(start + total - end_far, 0.0)
-        mouths = sum(profile.in_a_mouth(end) is not None for end in ends)
-        unlike = max(profile.unlike(end) - least for end, least in zip(ends, best))
+        mouths = sum(profile.mouth_at(end) is not None for end in ends)
+        unlike = max(profile.deviation_percent(end) - least for end, least in zip(ends, best))
         cost = (
             round(beyond / STEP_MM),
             mouths,
-            max(round(unlike - ALIKE_PERCENT), 0),
+            max(round(unlike - SIMILAR_PERCENT), 0),
             total,
             abs(start + total / 2 - middle),
         )
@@ -143,10 +143,10 @@ def _most_normal(profile, near, far):
     Places in side branches' mouths do not count; 0 if all are in mouths.
     """
     steps = np.append(np.arange(min(near, far), max(near, far), STEP_MM), max(near, far))
-    return min((profile.unlike(at) for at in steps if profile.in_a_mouth(at) is None), default=0.0)
+    return min((profile.deviation_percent(at) for at in steps if profile.mouth_at(at) is None), default=0.0)
 
 
-def _in_a_row(start, row):
+def _overlapping_spans(start, row):
     """[Span] of stents of the lengths `row` from arc length `start` on, the distal one first."""
     found = []
     for length in row:

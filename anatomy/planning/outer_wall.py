@@ -16,18 +16,18 @@ from common import vtp
 WALL = 0  # region_id (docs/design.md)
 
 
-def known(case):
+def has_traced_wall(case):
     """Whether a case's lumen (its document as a dict) comes with a traced outer wall."""
     return "outer_wall" in case.get("lumen", {}).get("contours", {})
 
 
-def referenced(sections, lumen_file):
-    """The sections (as of measured.read_sections) with reference_diameter_mm replaced by that of lumen and plaque.
+def with_plaque_reference(sections, lumen_file):
+    """The sections (as of lumen_results.read_sections) with reference_diameter_mm replaced by that of lumen and plaque.
 
     lumen_file: lumen.vtp, which has the plaque's thickness at its points.
     """
     data = vtp.read(lumen_file, "run `lumen process` first")
-    points, triangles = vtp.arrays(data)
+    points, triangles = vtp.points_and_triangles(data)
     region = vtk_to_numpy(data.GetCellData().GetArray("region_id"))
     wall = np.unique(triangles[region == WALL])
     plaque = vtk_to_numpy(data.GetPointData().GetArray("plaque_thickness_mm"))[wall]
@@ -36,22 +36,22 @@ def referenced(sections, lumen_file):
     nearest = cKDTree(centres).query(points[wall])[1]
     count = np.bincount(nearest, minlength=len(rows))
     mean = np.bincount(nearest, weights=plaque, minlength=len(rows)) / np.maximum(count, 1)
-    for row, thickness, found in zip(rows, mean, count):
-        row["plaque_mm"] = float(thickness) if found else None
+    for row, thickness, points_near in zip(rows, mean, count):
+        row["plaque_mm"] = float(thickness) if points_near else None
     return {
-        name: [_referenced(row, _between(branch, k)) for k, row in enumerate(branch)]
+        name: [_with_reference(row, _plaque_mm(branch, k)) for k, row in enumerate(branch)]
         for name, branch in sections.items()
     }
 
 
-def _between(branch, k):
+def _plaque_mm(branch, k):
     """Mean plaque thickness (mm) at a branch's k-th section.
 
     It is interpolated between other sections if no point of the wall is nearest to this one.
     """
-    known_at = [(row["s_mm"], row["plaque_mm"]) for row in branch if row["plaque_mm"] is not None]
-    return float(np.interp(branch[k]["s_mm"], *zip(*known_at)))
+    measured = [(row["s_mm"], row["plaque_mm"]) for row in branch if row["plaque_mm"] is not None]
+    return float(np.interp(branch[k]["s_mm"], *zip(*measured)))
 
 
-def _referenced(row, plaque_mm):
+def _with_reference(row, plaque_mm):
     return row | {"reference_diameter_mm": row["equivalent_diameter_mm"] + 2 * plaque_mm}

@@ -7,7 +7,7 @@ from common.documents import config
 from common.errors import InputError
 from common.files import write_json
 
-from ..measured import branch_named, lesion_number, read_sections, read_summary
+from ..lumen_results import branch_named, lesion_numbered, read_sections, read_summary
 from . import catalogue, outer_wall, proposal, remarks
 
 PASCAL_PER_MMHG = 133.322387415
@@ -22,17 +22,20 @@ def run(case_file, anatomy_folder, devices_folder, out):
     case = config.load_case(case_file)
     families = config.load_devices(devices_folder)
     summary = read_summary(anatomy_folder)
-    steps, asked, reference = case["plan"], proposal.wanted(case["plan"]), {}
-    if asked:
+    steps, request, reference = case["plan"], proposal.requested_treatment(case["plan"]), {}
+    if request:
         sections = read_sections(anatomy_folder)
-        if outer_wall.known(case):
-            sections = outer_wall.referenced(sections, anatomy_folder / "lumen.vtp")
-        proposed = proposal.propose(summary, sections, families, str(case_file), *asked)
+        if outer_wall.has_traced_wall(case):
+            sections = outer_wall.with_plaque_reference(sections, anatomy_folder / "lumen.vtp")
+        proposed = proposal.propose(summary, sections, families, str(case_file), *request)
         steps = proposed.steps
-        said = list(remarks.of_proposal(summary, proposed))
-        reference = {"reference": sized_by(summary, proposed, outer_wall.known(case)) | {"remarks": said}}
-        for remark in said:
-            print(f"warning: {case_file}: plan: {remark}", file=sys.stderr)
+        sentences = list(remarks.of_proposal(summary, proposed))
+        reference = {
+            "reference": reference_document(summary, proposed, outer_wall.has_traced_wall(case))
+            | {"remarks": sentences}
+        }
+        for sentence in sentences:
+            print(f"warning: {case_file}: plan: {sentence}", file=sys.stderr)
         for other in remarks.of_reference(reference["reference"]):
             print(f"{case_file}: plan: {other}", file=sys.stderr)
     relative = os.path.relpath(anatomy_folder.resolve(), out.resolve().parent)
@@ -48,7 +51,7 @@ def run(case_file, anatomy_folder, devices_folder, out):
     write_json(out, document)
 
 
-def sized_by(summary, proposed, by_outer_wall):
+def reference_document(summary, proposed, by_outer_wall):
     """The plan's `reference` as a dict: the source of the vessel's healthy size, and the treated lesions by it.
 
     Its anatomy_percent is the stenosis of the same lesion in anatomy.json, by the healthy profile through the lumen.
@@ -61,7 +64,7 @@ def sized_by(summary, proposed, by_outer_wall):
             "diameter_stenosis_percent": float(one.target.profile.stenosis_at(lesion["s_mla_mm"])),
             "anatomy_percent": lesion["diameter_stenosis_percent"],
         }
-        for one in proposed.treated
+        for one in proposed.treatments
         for lesion in one.target.lesions
     ]
     return {"by": OUTER_WALL if by_outer_wall else HEALTHY_PROFILE, "lesions": lesions}
@@ -79,27 +82,29 @@ def procedure(steps, families, summary, where):
     steps: as in a case file. families: {name: document} of config/devices. summary: document of anatomy.json. where:
     the case file, for messages. Raises InputError if a device or pressure does not fit.
     """
-    devices, done, stents, used = {}, [], [], {}
+    devices, resolved, stents, action_counts = {}, [], [], {}
     for i, step in enumerate(steps):
         placed = []
         for j, request in enumerate(step["devices"]):
             at = f"{where}: plan[{i + 1}].devices[{j + 1}]"
-            sized = catalogue.entries(families, request["device"], request["diameter_mm"], request["length_mm"], at)
-            _check_step(step["action"], families[request["device"]]["kind"], at)
-            device = _placed(request, summary, at)
+            sized = catalogue.device_entries(
+                families, request["device"], request["diameter_mm"], request["length_mm"], at
+            )
+            _check_device_kind(step["action"], families[request["device"]]["kind"], at)
+            device = _placed_device(request, summary, at)
             _check_pressure(request, sized, families, at)
             _check_overexpansion(device, request, sized, families, stents, at)
             devices.update(sized)
             placed.append(device)
             if families[request["device"]]["kind"] == "stent":
                 stents.append((device, sized[device["device"]]))
-        used[step["action"]] = used.get(step["action"], 0) + 1
-        number = f"_{used[step['action']]}" if used[step["action"]] > 1 else ""
-        done.append({"name": step["action"] + number, "action": step["action"], "devices": placed})
-    return {"segment": _segment(done, devices, stents), "devices": devices, "procedure": done}
+        action_counts[step["action"]] = action_counts.get(step["action"], 0) + 1
+        number = f"_{action_counts[step['action']]}" if action_counts[step["action"]] > 1 else ""
+        resolved.append({"name": step["action"] + number, "action": step["action"], "devices": placed})
+    return {"segment": _treated_segment(resolved, devices, stents), "devices": devices, "procedure": resolved}
 
 
-def _check_step(action, kind, where):
+def _check_device_kind(action, kind, where):
     if (action == "stent") != (kind == "stent"):
         raise InputError(
             "device of the wrong kind for the step",
@@ -109,9 +114,9 @@ def _check_step(action, kind, where):
         )
 
 
-def _placed(request, summary, where):
+def _placed_device(request, summary, where):
     """A device of a step as plan.json has it, by the lesion or the place that is requested. Raises InputError."""
-    lesion = lesion_number(summary, request["lesion"], where) if "lesion" in request else None
+    lesion = lesion_numbered(summary, request["lesion"], where) if "lesion" in request else None
     name = lesion["branch"] if lesion else request["branch"]
     branch = branch_named(summary, name, where)
     centre = round(0.5 * (lesion["s_start_mm"] + lesion["s_end_mm"]), 3) if lesion else request["centre_s_mm"]
@@ -127,20 +132,20 @@ def _placed(request, summary, where):
             "move it (centre_s_mm) or choose a shorter one (length_mm)",
         )
     return {
-        "device": catalogue.key(request["device"], request["diameter_mm"], request["length_mm"]),
+        "device": catalogue.device_key(request["device"], request["diameter_mm"], request["length_mm"]),
         "branch": name,
         "centre_s_mm": centre,
         "pressure_bar": request["pressure_bar"],
     }
 
 
-def _balloon_of(request, sized, families):
+def _inflating_balloon(request, sized, families):
     family = catalogue.balloon_family(families, request["device"])
-    return sized[catalogue.key(family, request["diameter_mm"], request["length_mm"])]
+    return sized[catalogue.device_key(family, request["diameter_mm"], request["length_mm"])]
 
 
 def _check_pressure(request, sized, families, where):
-    rated = _balloon_of(request, sized, families)["rated_burst_pressure_bar"]
+    rated = _inflating_balloon(request, sized, families)["rated_burst_pressure_bar"]
     if request["pressure_bar"] > rated:
         raise InputError(
             "pressure above the balloon's rated burst pressure",
@@ -155,7 +160,7 @@ def _check_overexpansion(device, request, sized, families, stents, where):
 
     stents: [(placed device, entry)] of the stents so far.
     """
-    diameter = catalogue.diameter_at(_balloon_of(request, sized, families), request["pressure_bar"])
+    diameter = catalogue.diameter_at(_inflating_balloon(request, sized, families), request["pressure_bar"])
     if families[request["device"]]["kind"] == "stent":
         targets = [sized[device["device"]]]
     else:
@@ -177,7 +182,7 @@ def _overlap(a, length_a, b, length_b):
     return a["branch"] == b["branch"] and abs(a["centre_s_mm"] - b["centre_s_mm"]) < (length_a + length_b) / 2
 
 
-def _segment(steps, devices, stents):
+def _treated_segment(steps, devices, stents):
     """The treated segment: branch of the first stent, and extent (mm) of all stents on it; of balloons without stents.
 
     A part that protrudes into the parent is left out, since the branch has no sections there.

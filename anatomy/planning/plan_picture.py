@@ -6,12 +6,16 @@ from matplotlib import pyplot as plt
 from common.documents import plan_reader
 
 from .. import picture_file
-from ..measured import read_sections, read_summary
+from ..lumen_results import read_sections, read_summary
 from . import catalogue, outer_wall
 from .plan import HEALTHY_PROFILE, OUTER_WALL
 from .profile import Profile
 
-WIDTH, HEIGHT, LANE = 11, 4.2, 0.32  # inches: of the picture, of a branch's diameters, of one device
+WIDTH_INCHES, HEIGHT_INCHES, LANE_INCHES = (
+    11,
+    4.2,
+    0.32,
+)  # inches: of the picture, of a branch's diameters, of one device
 
 
 def run(anatomy_folder, plan_file, out):
@@ -23,19 +27,19 @@ def run(anatomy_folder, plan_file, out):
     summary, sections, plan = read_summary(anatomy_folder), read_sections(anatomy_folder), plan_reader.read(plan_file)
     by = plan.get("reference", {}).get("by", HEALTHY_PROFILE)
     if by == OUTER_WALL:
-        sections = outer_wall.referenced(sections, anatomy_folder / "lumen.vtp")
-    placed = _by_branch(plan)
-    heights = [HEIGHT + LANE * len(devices) for devices in placed.values()]
+        sections = outer_wall.with_plaque_reference(sections, anatomy_folder / "lumen.vtp")
+    placed = _devices_by_branch(plan)
+    heights = [HEIGHT_INCHES + LANE_INCHES * len(devices) for devices in placed.values()]
     figure, axes = plt.subplots(
-        len(placed), 1, figsize=(WIDTH, sum(heights)), height_ratios=heights, squeeze=False, layout="constrained"
+        len(placed), 1, figsize=(WIDTH_INCHES, sum(heights)), height_ratios=heights, squeeze=False, layout="constrained"
     )
-    for one, (branch, devices) in zip(axes[:, 0], placed.items()):
-        _draw(one, summary, sections, branch, devices, by)
+    for axis, (branch, devices) in zip(axes[:, 0], placed.items()):
+        _draw(axis, summary, sections, branch, devices, by)
     axes[0, 0].set_title(plan.get("case", ""), loc="left")
     picture_file.save(figure, out)
 
 
-def _by_branch(plan):
+def _devices_by_branch(plan):
     """{branch: [(label, start, end, diameter at the device's pressure, kind)]} of a plan's devices, lengths in mm."""
     found = {}
     for step in plan["procedure"]:

@@ -4,10 +4,10 @@ import numpy as np
 
 from common.errors import InputError
 
-REFERENCE_MM = 2.0  # length beyond a device's end over which its reference lumen is averaged
-EDGE_MM = 1.5  # least distance of a device from a cap; nearer sections would cut the cap
-LANDING_MM = 0.5  # half the length of the landing zone round a stent's end
-NORMAL = (0.85, 1.05)  # of the vessel's reference: a lumen within this range shows the vessel's healthy size
+REFERENCE_LENGTH_MM = 2.0  # length beyond a device's end over which its reference lumen is averaged
+CAP_MARGIN_MM = 1.5  # least distance of a device from a cap; nearer sections would cut the cap
+LANDING_HALF_MM = 0.5  # half the length of the landing zone round a stent's end
+NORMAL_RANGE = (0.85, 1.05)  # of the vessel's reference: a lumen within this range shows the vessel's healthy size
 
 
 class Profile:
@@ -17,7 +17,7 @@ class Profile:
     parent's axis; its first section is outside the parent's lumen.
     measured: (n,) of bool, sections away from the ends. usable: (n,) of bool, those of them outside the mouths of side
     branches. mouths: {side branch: (s_low, s_high) in mm}. limits_mm: (s_low, s_high) between which a stent may be
-    placed. is_side: whether the branch leaves another one; otherwise it begins at a cut end of the vessel.
+    placed. is_side_branch: whether the branch leaves another one; otherwise it begins at a cut end of the vessel.
     """
 
     def __init__(self, summary, sections, branch):
@@ -25,14 +25,14 @@ class Profile:
             raise InputError("branch without cross-sections", "sections.csv", branch, "run `lumen process` again")
         rows = sections[branch]
         self.branch = branch
-        described = next(b for b in summary["branches"] if b["name"] == branch)
-        self.length_mm = described["length_mm"]
+        entry = next(b for b in summary["branches"] if b["name"] == branch)
+        self.length_mm = entry["length_mm"]
         self.s, self.diameter, self.reference = np.array(
             [[row[key] for key in ("s_mm", "equivalent_diameter_mm", "reference_diameter_mm")] for row in rows]
         ).T
-        self.is_side = described["parent"] is not None
-        first = float(self.s[0]) if self.is_side else EDGE_MM
-        self.limits_mm = first, self.length_mm - EDGE_MM
+        self.is_side_branch = entry["parent"] is not None
+        first = float(self.s[0]) if self.is_side_branch else CAP_MARGIN_MM
+        self.limits_mm = first, self.length_mm - CAP_MARGIN_MM
         self.stenosis = 100 * (1 - self.diameter / self.reference)
         self.measured = np.array([row["flag"] != "end" for row in rows])
         self.mouths = mouths(summary, branch)
@@ -48,28 +48,28 @@ class Profile:
         """Reference diameter (mm), that of the healthy vessel, at arc length s_mm."""
         return float(np.interp(s_mm, self.s, self.reference))
 
-    def unlike(self, s_mm):
-        """Largest difference (per cent by diameter) of the lumen from the reference within LANDING_MM of s_mm."""
-        return float(np.abs(self.stenosis_at(s_mm + np.linspace(-LANDING_MM, LANDING_MM, 5))).max())
+    def deviation_percent(self, s_mm):
+        """Largest difference (per cent by diameter) of the lumen from the reference within LANDING_HALF_MM of s_mm."""
+        return float(np.abs(self.stenosis_at(s_mm + np.linspace(-LANDING_HALF_MM, LANDING_HALF_MM, 5))).max())
 
-    def in_a_mouth(self, s_mm):
+    def mouth_at(self, s_mm):
         """Name of the side branch whose mouth contains s_mm, or None."""
         return next((name for name, (low, high) in self.mouths.items() if low < s_mm < high), None)
 
-    def lumen_beyond(self, s_mm, direction):
+    def reference_lumen_mm(self, s_mm, direction):
         """Diameter (mm) of the reference lumen at a device's end at s_mm. direction: -1 proximal end, 1 distal end.
 
-        It is the mean over the usable sections within REFERENCE_MM beyond the end, else that of the nearest usable
-        section. A diffusely diseased or dilated lumen does not show the vessel's size. So the result is limited to the
-        range NORMAL of the healthy reference.
+        It is the mean over the usable sections within REFERENCE_LENGTH_MM beyond the end, else that of the nearest
+        usable section. A diffusely diseased or dilated lumen does not show the vessel's size. So the result is limited
+        to the range NORMAL_RANGE of the healthy reference.
         """
         beyond = direction * (self.s - s_mm)
-        here = self.usable & (beyond >= 0) & (beyond <= REFERENCE_MM)
-        if not here.any():
-            among = np.flatnonzero(self.usable if self.usable.any() else self.measured)
-            here = among[np.abs(self.s[among] - s_mm).argmin()]
-        whole = float(np.mean(self.reference[here]))
-        return float(np.clip(np.mean(self.diameter[here]), NORMAL[0] * whole, NORMAL[1] * whole))
+        chosen = self.usable & (beyond >= 0) & (beyond <= REFERENCE_LENGTH_MM)
+        if not chosen.any():
+            candidates = np.flatnonzero(self.usable if self.usable.any() else self.measured)
+            chosen = candidates[np.abs(self.s[candidates] - s_mm).argmin()]
+        healthy = float(np.mean(self.reference[chosen]))
+        return float(np.clip(np.mean(self.diameter[chosen]), NORMAL_RANGE[0] * healthy, NORMAL_RANGE[1] * healthy))
 
 
 def mouths(summary, parent):

@@ -13,40 +13,40 @@ from . import landing, sizing, targets
 from .profile import Profile
 
 CULPRIT, ALL = "culprit", "all"
-GAP_MM = 3.0  # least length of lumen between two stents; with less they are planned as one row
+LEAST_GAP_MM = 3.0  # least length of lumen between two stents; with less they are planned as one row
 
 
 @dataclasses.dataclass
-class Treated:
+class Treatment:
     """A target (targets.Target) with its stents [sizing.Stent], the distal one first; or with a balloon alone.
 
-    balloon: the balloon's step, if there is no stent. no_stent: the InputError that tells why no stent fits.
+    balloon: the balloon's step, if there is no stent. no_stent_error: the InputError that tells why no stent fits.
     """
 
     target: object
     stents: list
     balloon: dict = None
-    no_stent: object = None
+    no_stent_error: object = None
 
     @property
-    def ends(self):
+    def stented_ends(self):
         """(start, end) of the stented length, mm."""
         return self.stents[-1].span.start, self.stents[0].span.end
 
 
 @dataclasses.dataclass
 class Proposal:
-    """A proposed plan. steps: as in a case file, placed by centre_s_mm. treated: [Treated], the most severe first.
+    """A proposed plan. steps: as in a case file, placed by centre_s_mm. treatments: [Treatment], the most severe first.
 
-    left_out: [(Target, InputError that tells why it cannot be treated)].
+    untreatable: [(Target, InputError that tells why it cannot be treated)].
     """
 
     steps: list
-    treated: list
-    left_out: list
+    treatments: list
+    untreatable: list
 
 
-def wanted(plan):
+def requested_treatment(plan):
     """(CULPRIT or ALL, least diameter stenosis in per cent or None) if a case's `plan` asks for a proposal.
 
     None if the plan lists its steps.
@@ -59,18 +59,18 @@ def wanted(plan):
 def propose(summary, sections, families, where, treat=CULPRIT, least_percent=None):
     """Proposal for the lesions of a measured lumen.
 
-    summary, sections: as of measured.read_summary() and read_sections(). families: {name: document} of config/devices.
-    where: the case file, for messages. With CULPRIT it treats the most severe lesion that stents of the catalogue fit,
-    or if there is none the most severe that a balloon fits. With ALL it treats each lesion of targets.found(); if all
-    are mild, the most severe one. Raises InputError if no lesion reaches least_percent by diameter, or if no device
-    fits any lesion.
+    summary, sections: as of lumen_results.read_summary() and read_sections(). families: {name: document} of
+    config/devices. where: the case file, for messages. With CULPRIT it treats the most severe lesion that stents of the
+    catalogue fit, or if there is none the most severe that a balloon fits. With ALL it treats each lesion of
+    targets.found(); if all are mild, the most severe one. Raises InputError if no lesion reaches least_percent by
+    diameter, or if no device fits any lesion.
     """
     if not summary["lesions"]:
         requested = "auto" if treat == CULPRIT else f"{{treat: {treat}}}"
         raise InputError(
             "no lesion to plan for",
             where,
-            f"plan: {requested}: {_narrowest(summary, sections)}",
+            f"plan: {requested}: {_narrowest_place(summary, sections)}",
             "look at `anatomy picture`: are inlet, ends and reference right? To treat the vessel all the same,"
             " list the plan's steps: each with its action and its devices, placed by branch"
             " and centre_s_mm (docs/design.md); a vessel narrowed all along its length has no healthy reference in the"
@@ -81,30 +81,34 @@ def propose(summary, sections, families, where, treat=CULPRIT, least_percent=Non
             raise InputError(
                 "plan: auto needs a device family", where, family, f"add {family}.yaml to config/devices (--devices)"
             )
-    lesions = targets.found(summary, sections, least_percent)
+    lesions = targets.targets_to_treat(summary, sections, least_percent)
     if not lesions:
-        raise _too_mild(targets.every(summary, sections)[0], where, treat, least_percent)
+        raise _mild_lesion_error(targets.all_targets(summary, sections)[0], where, treat, least_percent)
     mild = least_percent is None and lesions[0].percent < targets.SIGNIFICANT_PERCENT
-    one_alone = treat == CULPRIT or mild
-    treated, left_out = [], []
+    only_one = treat == CULPRIT or mild
+    treatments, untreatable = [], []
     for target in lesions:
         try:
-            treated.append(_stented(target, families, where))
+            treatments.append(_stent_target(target, families, where))
         except InputError as error:
-            left_out.append((target, error))
+            untreatable.append((target, error))
             continue
-        if one_alone:
+        if only_one:
             break
-    if not treated or not one_alone:
-        treated, left_out = _with_balloons(treated, left_out, families, where)
-        treated = treated[:1] if one_alone else treated
-    if not treated:
-        raise left_out[0][1]
-    treated = _without_short_gaps(treated, families, where)
-    return Proposal([step for one in _in_order(treated) for step in _steps(one, families, where)], treated, left_out)
+    if not treatments or not only_one:
+        treatments, untreatable = _add_balloons(treatments, untreatable, families, where)
+        treatments = treatments[:1] if only_one else treatments
+    if not treatments:
+        raise untreatable[0][1]
+    treatments = _join_short_gaps(treatments, families, where)
+    return Proposal(
+        [step for one in _in_treatment_order(treatments) for step in _treatment_steps(one, families, where)],
+        treatments,
+        untreatable,
+    )
 
 
-def _too_mild(target, where, treat, least_percent):
+def _mild_lesion_error(target, where, treat, least_percent):
     """The InputError for a vessel whose most severe lesion (a Target) is below the limit for treatment."""
     percent = max(int(target.percent), 1)
     return InputError(
@@ -116,22 +120,22 @@ def _too_mild(target, where, treat, least_percent):
     )
 
 
-def _with_balloons(treated, left_out, families, where):
-    """(treated, left_out), of which `treated` now has a balloon alone for each lesion in a vessel no stent is made for.
+def _add_balloons(treatments, untreatable, families, where):
+    """(treatments, untreatable) after adding a balloon alone for each lesion in a vessel that no stent is made for.
 
-    treated: the most severe first.
+    treatments: the most severe first.
     """
-    done, left = list(treated), []
-    for target, error in left_out:
-        balloon = sizing.alone(families, target, where) if isinstance(error, sizing.NoWidth) else None
+    done, left = list(treatments), []
+    for target, error in untreatable:
+        balloon = sizing.balloon_alone(families, target, where) if isinstance(error, sizing.NoFittingStent) else None
         if balloon:
-            done.append(Treated(target, [], balloon, error))
+            done.append(Treatment(target, [], balloon, error))
         else:
             left.append((target, error))
     return sorted(done, key=lambda one: -one.target.percent), left
 
 
-def _narrowest(summary, sections):
+def _narrowest_place(summary, sections):
     """The place and degree of the largest diameter stenosis of the lumen, in words."""
     worst = None
     for branch in sections:
@@ -145,43 +149,43 @@ def _narrowest(summary, sections):
     return f"the narrowest place, at {s:.1f} mm of {branch}, is {percent:.1f} % below the healthy profile by diameter"
 
 
-def _stented(target, families, where):
-    """The Treated for a Target, with as many stents as its length and the vessel's taper need."""
+def _stent_target(target, families, where):
+    """The Treatment for a Target, with as many stents as its length and the vessel's taper need."""
     lengths = families[sizing.STENT]["lengths_mm"]
-    spans = landing.spans(target, lengths, where)
+    spans = landing.stent_spans(target, lengths, where)
     while True:
         try:
-            return Treated(target, sizing.sized(target.profile, spans, families, where))
+            return Treatment(target, sizing.size_stents(target.profile, spans, families, where))
         except sizing.TooTapered:
             if len(spans) == landing.MOST_STENTS:
                 raise
-            spans = landing.spans(target, lengths, where, least=len(spans) + 1)
+            spans = landing.stent_spans(target, lengths, where, fewest=len(spans) + 1)
 
 
-def _without_short_gaps(treated, families, where):
-    """[Treated] after joining targets of one branch whose stents overlap or are less than GAP_MM apart."""
-    stented = [one for one in treated if one.stents]
+def _join_short_gaps(treatments, families, where):
+    """[Treatment] after joining targets of one branch whose stents overlap or are less than LEAST_GAP_MM apart."""
+    stented = [one for one in treatments if one.stents]
     for k, one in enumerate(stented):
         for other in stented[k + 1 :]:
-            gap = max(one.ends[0] - other.ends[1], other.ends[0] - one.ends[1])
-            if one.target.profile is other.target.profile and gap < GAP_MM:
-                rest = [kept for kept in treated if kept is not one and kept is not other]
-                joined = _stented(one.target.joined(other.target), families, where)
-                return _without_short_gaps(sorted([joined, *rest], key=lambda t: -t.target.percent), families, where)
-    return treated
+            gap = max(one.stented_ends[0] - other.stented_ends[1], other.stented_ends[0] - one.stented_ends[1])
+            if one.target.profile is other.target.profile and gap < LEAST_GAP_MM:
+                rest = [kept for kept in treatments if kept is not one and kept is not other]
+                joined = _stent_target(one.target.joined_with(other.target), families, where)
+                return _join_short_gaps(sorted([joined, *rest], key=lambda t: -t.target.percent), families, where)
+    return treatments
 
 
-def _in_order(treated):
-    """[Treated] in the order of treatment: the branch with the worst lesion first, on a branch the distal target first.
+def _in_treatment_order(treatments):
+    """[Treatment] in their order: the branch with the worst lesion first, on a branch the distal target first.
 
     So no device has to pass a stent.
     """
-    branches = list(dict.fromkeys(one.target.profile.branch for one in treated))
-    return sorted(treated, key=lambda one: (branches.index(one.target.profile.branch), -one.target.start))
+    branches = list(dict.fromkeys(one.target.profile.branch for one in treatments))
+    return sorted(treatments, key=lambda one: (branches.index(one.target.profile.branch), -one.target.start))
 
 
-def _steps(one, families, where):
-    """The steps for a Treated: all predilatations, then all stents, then all post-dilatations; or the balloon alone.
+def _treatment_steps(one, families, where):
+    """The steps for a Treatment: all predilatations, then all stents, then all post-dilatations; or the balloon alone.
 
     Distal devices come first.
     """
@@ -193,18 +197,18 @@ def _steps(one, families, where):
         low, high = max(stent.span.start, target.start), min(stent.span.end, target.end)
         diameter, length = sizing.predilatation(families, stent, high - low, where)
         size = (sizing.PREDILATATION, diameter, length)
-        centre = _over(low, high, target.s_mla, length, stent.span)
-        before.append(sizing.step(families, "predilatation", *size, branch, centre, (diameter, math.inf), where))
+        centre = _balloon_centre(low, high, target.s_mla, length, stent.span)
+        before.append(sizing.plan_step(families, "predilatation", *size, branch, centre, (diameter, math.inf), where))
         size = (sizing.STENT, stent.diameter, stent.span.length)
         centre = stent.span.centre
-        stents.append(sizing.step(families, "stent", *size, branch, centre, (stent.diameter, math.inf), where))
+        stents.append(sizing.plan_step(families, "stent", *size, branch, centre, (stent.diameter, math.inf), where))
         diameter, length, centre, wide = sizing.postdilatation(families, stent, where)
         size = (sizing.POSTDILATATION, diameter, length)
-        after.append(sizing.step(families, "postdilatation", *size, branch, centre, wide, where))
+        after.append(sizing.plan_step(families, "postdilatation", *size, branch, centre, wide, where))
     return before + stents + after
 
 
-def _over(low, high, tightest, length, span):
+def _balloon_centre(low, high, tightest, length, span):
     """Arc length (mm) of the middle of a balloon of a length (mm) over the stretch from low to high (mm).
 
     A balloon shorter than the stretch is moved over the tightest place, if that is in the stretch. The whole balloon

@@ -20,10 +20,15 @@ from common.errors import InputError
 
 from . import catalogue, landing
 
-OVERSIZE_MM = 0.5  # largest excess of the stent's diameter over the distal reference
-LEAST_BALLOON, MOST_BALLOON = 0.8, 1.05  # over the distal lumen: a balloon alone; the upper also before a stent
-BEYOND_MM = 2.0  # length of a balloon alone beyond each end of the stretch, as long as a stent's margin
-TAPER_MM = 0.5  # largest difference of proximal and distal reference that one balloon may dilate to one diameter
+LARGEST_OVERSIZE_MM = 0.5  # largest excess of the stent's diameter over the distal reference
+LEAST_BALLOON_RATIO, LARGEST_BALLOON_RATIO = (
+    0.8,
+    1.05,
+)  # over the distal lumen: a balloon alone; the upper also before a stent
+BALLOON_MARGIN_MM = 2.0  # length of a balloon alone beyond each end of the stretch, as long as a stent's margin
+LARGEST_TAPER_MM = (
+    0.5  # largest difference of proximal and distal reference that one balloon may dilate to one diameter
+)
 PREDILATATION, STENT, POSTDILATATION = "semi_compliant", "des", "non_compliant"
 
 
@@ -32,47 +37,47 @@ class Stent:
     """A planned stent: its landing.Span, nominal diameter, and the reference lumens at its two ends, mm.
 
     limit: widest diameter (mm) to which its design opens, or that of a stent over its proximal end if that is less.
-    limit_distal: widest diameter (mm) of a stent over its distal end; infinite if there is none.
-    shortest: length (mm) of the catalogue's shortest post-dilatation balloon.
+    distal_limit: widest diameter (mm) of a stent over its distal end; infinite if there is none.
+    shortest_balloon: length (mm) of the catalogue's shortest post-dilatation balloon.
     """
 
     span: object
     diameter: float
-    proximal: float
-    distal: float
+    proximal_reference: float
+    distal_reference: float
     limit: float
-    limit_distal: float
-    shortest: float
+    distal_limit: float
+    shortest_balloon: float
 
     @property
-    def wanted(self):
+    def target_diameter(self):
         """The diameter (mm) to which the stent should be post-dilated, as far as its distal end allows."""
-        return min(max(self.proximal, self.diameter), self.limit)
+        return min(max(self.proximal_reference, self.diameter), self.limit)
 
     @property
     def widest_balloon(self):
         """The widest diameter (mm) that a balloon over the whole stent may reach."""
-        return min(self.distal + TAPER_MM, self.limit, self.limit_distal)
+        return min(self.distal_reference + LARGEST_TAPER_MM, self.limit, self.distal_limit)
 
     @property
-    def tapers(self):
+    def tapers_too_much(self):
         """Whether the proximal reference is too wide for a balloon that also dilates the distal end."""
-        return self.wanted > self.distal + TAPER_MM
+        return self.target_diameter > self.distal_reference + LARGEST_TAPER_MM
 
     @property
-    def part_mm(self):
+    def proximal_part_mm(self):
         """Length (mm) of the proximal part that can be post-dilated to the wanted diameter."""
-        if self.tapers:
+        if self.tapers_too_much:
             return self.span.length / 2
-        return self.span.length - landing.OVERLAP_MM * (self.wanted > self.limit_distal)
+        return self.span.length - landing.OVERLAP_MM * (self.target_diameter > self.distal_limit)
 
     @property
-    def short(self):
+    def is_too_short(self):
         """Whether that part is shorter than any balloon. Then the whole stent is dilated, to a smaller diameter."""
-        return self.part_mm < self.shortest
+        return self.proximal_part_mm < self.shortest_balloon
 
 
-class NoWidth(InputError):
+class NoFittingStent(InputError):
     """Error: no stent of the catalogue fits the distal reference. A balloon may fit."""
 
 
@@ -80,24 +85,24 @@ class TooTapered(InputError):
     """Error: no stent that fits the distal reference can be expanded to the proximal one. Two in a row might fit."""
 
 
-def sized(profile, spans, families, where):
+def size_stents(profile, spans, families, where):
     """[Stent] for the Spans of a row of stents, the distal one first.
 
     profile: of the branch. Where two stents overlap the lumen is diseased, so the reference is the healthy vessel at
     the middle of the overlap. Raises InputError for lumens that the catalogue does not fit.
     """
-    joints = [_between(profile, after, before) for before, after in zip(spans, spans[1:])]
-    distal = [profile.lumen_beyond(spans[0].end, 1), *joints]
-    proximal = [*joints, profile.lumen_beyond(spans[-1].start, -1)]
+    joints = [_overlap_reference(profile, after, before) for before, after in zip(spans, spans[1:])]
+    distal = [profile.reference_lumen_mm(spans[0].end, 1), *joints]
+    proximal = [*joints, profile.reference_lumen_mm(spans[-1].start, -1)]
     diameters = [stent_diameter(families, *ends, where) for ends in zip(distal, proximal)]
-    limits = [math.inf, *(_greatest_diameter(families, size) for size in diameters), math.inf]
+    limits = [math.inf, *(_largest_expansion(families, size) for size in diameters), math.inf]
     own_and_next = [min(pair) for pair in zip(limits[1:], limits[2:])]
     shortest = families[POSTDILATATION]["lengths_mm"][0]
     rows = zip(spans, diameters, proximal, distal, own_and_next, limits)
     return [Stent(*row, shortest) for row in rows]
 
 
-def _between(profile, proximal, distal):
+def _overlap_reference(profile, proximal, distal):
     return profile.reference_at(0.5 * (proximal.end + distal.start))
 
 
@@ -105,14 +110,15 @@ def stent_diameter(families, distal, proximal, where):
     """The least diameter (mm) of a stent that suits the distal and the proximal reference diameter (mm).
 
     It is not below the distal reference, and its design can be expanded to the proximal one. In a vessel wider than the
-    catalogue it is the largest diameter, if its design can be expanded to the vessel. Raises NoWidth or TooTapered.
+    catalogue it is the largest diameter, if its design can be expanded to the vessel. Raises NoFittingStent or
+    TooTapered.
     """
     sizes = families[STENT]["diameters_mm"]
-    fitting = [size for size in sizes if distal - 1e-9 <= size <= distal + OVERSIZE_MM]
-    if distal > sizes[-1] and _greatest_diameter(families, sizes[-1]) >= distal:
+    fitting = [size for size in sizes if distal - 1e-9 <= size <= distal + LARGEST_OVERSIZE_MM]
+    if distal > sizes[-1] and _largest_expansion(families, sizes[-1]) >= distal:
         fitting = sizes[-1:]
     if not fitting:
-        raise NoWidth(
+        raise NoFittingStent(
             "no stent diameter of the catalogue fits the vessel",
             where,
             f"distal reference {distal:.2f} mm, stents of {sizes[0]} to {sizes[-1]} mm",
@@ -120,7 +126,7 @@ def stent_diameter(families, distal, proximal, where):
             " another lesion by the plan's steps",
         )
     for size in fitting:
-        if _greatest_diameter(families, size) >= max(proximal, size):
+        if _largest_expansion(families, size) >= max(proximal, size):
             return size
     raise TooTapered(
         "no stent that fits the distal reference can be expanded to the proximal one",
@@ -130,7 +136,7 @@ def stent_diameter(families, distal, proximal, where):
     )
 
 
-def _greatest_diameter(families, size):
+def _largest_expansion(families, size):
     """Widest diameter (mm) to which the design of a stent of nominal diameter `size` (mm) opens."""
     designs = families[STENT]["designs"]
     return next(d for d in designs if size <= d["up_to_diameter_mm"])["maximal_diameter_mm"]
@@ -142,34 +148,36 @@ def predilatation(families, stent, stretch, where):
     The diameter is at most 5 % above the distal reference, the balloon no longer than the stent.
     """
     family = families[PREDILATATION]
-    diameter = _at_most(family["diameters_mm"], MOST_BALLOON * stent.distal, "predilatation diameter", where)
-    longest = _at_most(family["lengths_mm"], stent.span.length, "predilatation length", where)
+    diameter = _largest_up_to(
+        family["diameters_mm"], LARGEST_BALLOON_RATIO * stent.distal_reference, "predilatation diameter", where
+    )
+    longest = _largest_up_to(family["lengths_mm"], stent.span.length, "predilatation length", where)
     return diameter, min([x for x in family["lengths_mm"] if stretch <= x <= longest], default=longest)
 
 
 def postdilatation(families, stent, where):
     """(diameter, length, centre, (wanted, greatest) inflated diameter) in mm of the balloon after a Stent."""
     family = families[POSTDILATATION]
-    in_part = stent.part_mm < stent.span.length and not stent.short
+    in_part = stent.proximal_part_mm < stent.span.length and not stent.is_too_short
     most = stent.limit if in_part else stent.widest_balloon
-    wanted = min(stent.wanted, most)
+    wanted = min(stent.target_diameter, most)
     sizes = [size for size in family["diameters_mm"] if size <= most + 1e-9] or family["diameters_mm"][:1]
     diameter = min(sizes, key=lambda size: abs(size - wanted))
-    covered = stent.part_mm if in_part else stent.span.length
-    length = _at_most(family["lengths_mm"], covered, "post-dilatation length", where)
+    covered = stent.proximal_part_mm if in_part else stent.span.length
+    length = _largest_up_to(family["lengths_mm"], covered, "post-dilatation length", where)
     centre = round(stent.span.start + length / 2, 3) if in_part else stent.span.centre
     return diameter, length, centre, (wanted, most)
 
 
-def alone(families, target, where):
+def balloon_alone(families, target, where):
     """A plan's step: the widest balloon that opens a targets.Target without a stent; None if none fits.
 
-    The balloon is semi-compliant if there is one of that width, else non-compliant. It reaches BEYOND_MM past both ends
-    of the stretch if the branch has room. It is inflated to the diameter of the lumen distal to the stretch, or to its
-    nominal diameter if that is larger, as far as its pressures allow.
+    The balloon is semi-compliant if there is one of that width, else non-compliant. It reaches BALLOON_MARGIN_MM past
+    both ends of the stretch if the branch has room. It is inflated to the diameter of the lumen distal to the stretch,
+    or to its nominal diameter if that is larger, as far as its pressures allow.
     """
     lowest, highest = target.profile.limits_mm
-    wanted = target.end - target.start + 2 * BEYOND_MM
+    wanted = target.end - target.start + 2 * BALLOON_MARGIN_MM
     for name in (PREDILATATION, POSTDILATATION):
         family = families[name]
         long = [length for length in family["lengths_mm"] if length <= highest - lowest]
@@ -177,28 +185,32 @@ def alone(families, target, where):
             continue
         length = next((length for length in long if length >= wanted), long[-1])
         middle = min(max(0.5 * (target.start + target.end), lowest + length / 2), highest - length / 2)
-        distal = target.profile.lumen_beyond(middle + length / 2, 1)
-        wide = [size for size in family["diameters_mm"] if LEAST_BALLOON * distal <= size <= MOST_BALLOON * distal]
+        distal = target.profile.reference_lumen_mm(middle + length / 2, 1)
+        wide = [
+            size
+            for size in family["diameters_mm"]
+            if LEAST_BALLOON_RATIO * distal <= size <= LARGEST_BALLOON_RATIO * distal
+        ]
         if wide:
             size = (name, wide[-1], length, target.profile.branch, round(middle, 3))
-            return step(families, "predilatation", *size, (max(distal, wide[-1]), math.inf), where)
+            return plan_step(families, "predilatation", *size, (max(distal, wide[-1]), math.inf), where)
     return None
 
 
-def step(families, action, family, diameter, length, branch, centre, wanted, where):
+def plan_step(families, action, family, diameter, length, branch, centre, wanted, where):
     """A plan's step with one device of a diameter and length (mm), its centre at an arc length (mm) of a branch.
 
     wanted: (wanted, greatest) inflated diameter in mm. The pressure opens the device as near to the wanted one as
     possible.
     """
     inflated = catalogue.balloon_family(families, family)
-    balloon = catalogue.entries(families, inflated, diameter, length, where).popitem()[1]
+    balloon = catalogue.device_entries(families, inflated, diameter, length, where).popitem()[1]
     size = {"device": family, "diameter_mm": diameter, "length_mm": length}
     place = {"branch": branch, "centre_s_mm": centre, "pressure_bar": catalogue.pressure_for(balloon, *wanted)}
     return {"action": action, "devices": [size | place]}
 
 
-def _at_most(sizes, wanted, what, where):
+def _largest_up_to(sizes, wanted, what, where):
     """The largest of rising sizes (mm) not above the wanted one. Raises InputError if all are larger."""
     for size in reversed(sizes):
         if size <= wanted + 1e-9:

@@ -17,7 +17,7 @@ from .profile import Profile
 
 SIGNIFICANT_PERCENT = 50  # diameter stenosis from which a lesion is usually treated
 STRETCH_PERCENT = 30  # diameter stenosis from which a stent must cover a narrowing
-APART_DIAMETERS = 3  # narrowings fewer vessel diameters apart are one lesion (SYNTAX score)
+JOIN_DIAMETERS = 3  # narrowings fewer vessel diameters apart are one lesion (SYNTAX score)
 
 
 @dataclasses.dataclass
@@ -40,7 +40,7 @@ class Target:
         """The lesions' names, for messages."""
         return " and ".join(lesion["name"] for lesion in self.lesions)
 
-    def joined(self, other):
+    def joined_with(self, other):
         """One target from this and another of the same branch."""
         worst = max(self, other, key=lambda target: target.percent)
         return Target(
@@ -53,7 +53,7 @@ class Target:
         )
 
 
-def stretch(profile, lesion, percent):
+def stretch_to_cover(profile, lesion, percent):
     """(start, end) as arc lengths in mm of the stretch of a lesion that a stent must cover.
 
     It is the unbroken row of sections round the narrowest one with a diameter stenosis of 30 % or more. In a lesion
@@ -69,50 +69,50 @@ def stretch(profile, lesion, percent):
     return float(profile.s[first]), float(profile.s[last])
 
 
-def every(summary, sections):
+def all_targets(summary, sections):
     """[Target] of all lesions, one for each, the most severe first. summary, sections: as for Profile."""
     profiles = {}
 
-    def of(lesion):
+    def target_of(lesion):
         branch = lesion["branch"]
         if branch not in profiles:
             profiles[branch] = Profile(summary, sections, branch)
         profile = profiles[branch]
         percent = float(profile.stenosis_at(lesion["s_mla_mm"]))
-        return Target(profile, [lesion], *stretch(profile, lesion, percent), lesion["s_mla_mm"], percent)
+        return Target(profile, [lesion], *stretch_to_cover(profile, lesion, percent), lesion["s_mla_mm"], percent)
 
-    return sorted(map(of, summary["lesions"]), key=lambda target: -target.percent)
+    return sorted(map(target_of, summary["lesions"]), key=lambda target: -target.percent)
 
 
-def found(summary, sections, least_percent=None):
+def targets_to_treat(summary, sections, least_percent=None):
     """[Target] of the lesions with a diameter stenosis of at least least_percent, the most severe first.
 
     Without least_percent the limit is SIGNIFICANT_PERCENT; if no lesion reaches that, each lesion is a target. Lesions
-    above the limit with less than APART_DIAMETERS between their stretches become one target, since a stent for one
+    above the limit with less than JOIN_DIAMETERS between their stretches become one target, since a stent for one
     would end just before the other (Sianos et al., EuroIntervention 2005;1:219-27).
     """
-    all_lesions = every(summary, sections)
+    all_lesions = all_targets(summary, sections)
     least = SIGNIFICANT_PERCENT if least_percent is None else least_percent
-    chosen = together([target for target in all_lesions if target.percent >= least])
+    chosen = join_close([target for target in all_lesions if target.percent >= least])
     return chosen or (all_lesions if least_percent is None else [])
 
 
-def together(targets):
-    """[Target] after joining those on one branch with less than APART_DIAMETERS between their stretches."""
+def join_close(targets):
+    """[Target] after joining those on one branch with less than JOIN_DIAMETERS between their stretches."""
     done = []
     for target in targets:
-        while (near := _near(target, done)) is not None:
+        while (near := _close_target(target, done)) is not None:
             done.remove(near)
-            target = near.joined(target)
+            target = near.joined_with(target)
         done.append(target)
     return sorted(done, key=lambda target: -target.percent)
 
 
-def _near(target, others):
-    """The first of other Targets that lies on the same branch less than APART_DIAMETERS away, or None."""
+def _close_target(target, others):
+    """The first of other Targets that lies on the same branch less than JOIN_DIAMETERS away, or None."""
     for other in others:
         gap = max(other.start - target.end, target.start - other.end)
         between = 0.5 * (max(other.start, target.start) + min(other.end, target.end))
-        if other.profile is target.profile and gap < APART_DIAMETERS * target.profile.reference_at(between):
+        if other.profile is target.profile and gap < JOIN_DIAMETERS * target.profile.reference_at(between):
             return other
     return None

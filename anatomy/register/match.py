@@ -6,40 +6,41 @@ import numpy as np
 
 from .tree import STEP_MM
 
-KEPT = 0.8  # share of the samples in trimmed_mm; the worst fifth is left out, as a stent straightens the vessel
+KEPT_SHARE = 0.8  # share of the samples in trimmed_mm; the worst fifth is left out, as a stent straightens the vessel
 
 
 @dataclasses.dataclass(frozen=True)
 class Match:
     """How the branches after the procedure correspond to those before.
 
-    names: {branch after: branch before, or a new name}. missing: branches before without one after. new: {new name:
-    branch after}. shared: {branch before: (first, last s_mm) that the lumen afterwards covers}. residual_mm: (n,)
-    distances of the shared samples from the axes before. usual_radius_mm: median radius before at these samples.
+    names: {branch after: branch before, or a new name}. missing_branches: branches before without one after.
+    new_branches: {new name: branch after}. shared_ranges: {branch before: (first, last s_mm) that the lumen afterwards
+    covers}. residual_mm: (n,) distances of the shared samples from the axes before. usual_radius_mm: median radius
+    before at these samples.
     """
 
     names: dict
-    missing: list
-    new: dict
-    shared: dict
+    missing_branches: list
+    new_branches: dict
+    shared_ranges: dict
     residual_mm: np.ndarray
     usual_radius_mm: float
 
     @property
     def trimmed_mm(self):
         """The residual in mm that decides: root mean square of residual_mm without the worst fifth."""
-        kept = np.sort(self.residual_mm)[: max(1, int(KEPT * len(self.residual_mm)))]
+        kept = np.sort(self.residual_mm)[: max(1, int(KEPT_SHARE * len(self.residual_mm)))]
         return float(np.sqrt(np.mean(kept**2)))
 
 
-def matched(target, tree, placement):
+def match_branches(target, tree, placement):
     """The Match of a placed Tree with a Target.
 
     The route from the inlet to an end follows the axes before the procedure, up to its last sample within a usual
     radius of them. The end belongs to the branch of the axis sample nearest to that one. If two ends belong to the same
     branch, the one that follows it farther gets its name, and the other gets a new name.
     """
-    claims = {name: _claim(target, route, placement) for name, route in tree.routes.items()}
+    claims = {name: _claimed_branch(target, route, placement) for name, route in tree.routes.items()}
     names, new = {}, {}
     for name, (branch, reach) in sorted(claims.items(), key=lambda item: (-item[1][1], item[0] != "main", item[0])):
         if branch is not None and branch not in names.values():
@@ -55,7 +56,7 @@ def matched(target, tree, placement):
         points = placement.apply(line.points)
         _, distance, nearest = target.offsets(points)
         # a branch is compared with the branch of its name and, up to its take-off, with that branch's parents
-        inside = np.isin(target.names[nearest], _with_parents(target, names[name])) & ~_past_an_end(
+        inside = np.isin(target.names[nearest], _with_parents(target, names[name])) & ~_is_past_end(
             target, points, nearest
         )
         residuals.append(distance[inside])
@@ -69,7 +70,7 @@ def matched(target, tree, placement):
     return Match(names, missing, new, shared, residual, usual_radius)
 
 
-def _claim(target, route, placement):
+def _claimed_branch(target, route, placement):
     """(branch before, s_mm on it) at the last sample of a route that lies within a usual radius of the axes before.
 
     (None, -1) if no sample does. route: a Line.
@@ -92,7 +93,7 @@ def _s_mm(target, samples):
     return np.array([(sample - first[target.names[sample]]) * STEP_MM for sample in np.atleast_1d(samples)])
 
 
-def _past_an_end(target, points, nearest):
+def _is_past_end(target, points, nearest):
     """(n,) of bool: which points (n, 3) lie beyond a branch's end. nearest: (n,) numbers of the nearest samples."""
     names = target.names
     last = np.append(names[1:] != names[:-1], True)

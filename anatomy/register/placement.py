@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from .tree import STEP_MM
 
-SCALE = 0.25  # usual radii; larger residuals hardly count, for example if a stent has straightened the vessel
+ROBUST_SCALE = 0.25  # usual radii; larger residuals hardly count, for example if a stent has straightened the vessel
 # Weight of all landmarks together over the weight of the axes. It is enough to decide a placement that the axes do not
 # fix, such as a turn about a straight vessel. It is too little to spoil a good fit of the axes.
 LANDMARK_WEIGHT = 0.1
@@ -28,7 +28,7 @@ class Placement:
         """Points (n, 3) after the motion."""
         return self.rotation.apply(points) + self.translation
 
-    def apart_mm(self, other, points):
+    def mean_distance_mm(self, other, points):
         """Mean distance between points (n, 3) moved by this placement and by the other one."""
         return float(np.linalg.norm(self.apply(points) - other.apply(points), axis=1).mean())
 
@@ -44,14 +44,14 @@ class Target:
         self.points, self.radius, self.names = tree.points, tree.radius, tree.names
         tangents = [np.gradient(line.points, axis=0) for line in tree.branches.values()]
         self.tangents = np.concatenate([t / np.linalg.norm(t, axis=1, keepdims=True) for t in tangents])
-        self.near = cKDTree(self.points)
+        self.search_tree = cKDTree(self.points)
 
     def offsets(self, points):
         """For points (k, 3): offsets (k, 3) across the nearest axis, distances (k,) from it, nearest samples (k,).
 
         Lengths are in mm. Beyond the end of an axis the distance includes the length beyond it.
         """
-        _, nearest = self.near.query(points)
+        _, nearest = self.search_tree.query(points)
         offset, tangent = points - self.points[nearest], self.tangents[nearest]
         along = np.einsum("ij,ij->i", offset, tangent)
         across = offset - along[:, None] * tangent
@@ -59,7 +59,7 @@ class Target:
         return across, np.hypot(np.linalg.norm(across, axis=1), past_the_end), nearest
 
 
-def fitted(post, pre, weights=None):
+def fit_rigid(post, pre, weights=None):
     """The Placement that moves points post (n, 3) to pre (n, 3) by (weighted) least squares."""
     middle_post, middle_pre = (np.average(points, axis=0, weights=weights) for points in (post, pre))
     with warnings.catch_warnings():  # scipy warns if points lie in one line, which leaves the turn about it open
@@ -79,7 +79,7 @@ def cost(target, tree, placement):
     return float(np.mean(np.minimum(np.concatenate([to_pre, to_post]) / target.usual_radius_mm, 1.0) ** 2))
 
 
-def refined(target, tree, start, landmarks):
+def refine_placement(target, tree, start, landmarks):
     """The Placement near `start` that fits the axes by a robust loss and the landmarks by least squares.
 
     By the robust loss, parts of the axes that have moved, changed their radius or are missing hardly count. landmarks:
@@ -100,11 +100,11 @@ def refined(target, tree, start, landmarks):
         near = distance < 2 * target.usual_radius_mm
         axes = np.concatenate([(across * near[:, None]).ravel(), radii * near]) / target.usual_radius_mm
         marks = (placement.apply(landmarks[1]) - landmarks[0]).ravel() if len(landmarks[0]) else np.zeros(0)
-        return np.concatenate([robust(axes), weight * marks / target.usual_radius_mm])
+        return np.concatenate([robust_residuals(axes), weight * marks / target.usual_radius_mm])
 
     return placed(least_squares(residuals, np.zeros(6), diff_step=1e-4, max_nfev=60).x)
 
 
-def robust(residuals):
+def robust_residuals(residuals):
     """Residuals (n,) whose squares are Cauchy's loss SCALE^2 ln(1 + (r / SCALE)^2) of the given residuals r (n,)."""
-    return SCALE * np.sign(residuals) * np.sqrt(np.log1p((residuals / SCALE) ** 2))
+    return ROBUST_SCALE * np.sign(residuals) * np.sqrt(np.log1p((residuals / ROBUST_SCALE) ** 2))

@@ -10,8 +10,8 @@ from common import vtp
 from common.documents import config
 from common.files import write_json
 
-from . import judge, search, settling, tree
-from .match import matched
+from . import axes_refinement, placement_checks, search, tree
+from .match import match_branches
 from .placement import Target
 
 
@@ -24,29 +24,31 @@ def run(case_file, pre_folder, post_folder, out):
     out = pathlib.Path(out)
     for name in ("lumen.vtp", "like.json", "registration.json"):
         (out / name).unlink(missing_ok=True)
-    wanted = config.load_case(case_file).get("registration", {"compare": "flow"})
-    landmarks = _landmarks(wanted)
+    settings = config.load_case(case_file).get("registration", {"compare": "flow"})
+    landmarks = _landmarks(settings)
     pre, post = tree.read(pre_folder), tree.read(post_folder)
-    judge.check_landmarks(case_file, pre, post, landmarks)
+    placement_checks.check_landmarks(case_file, pre, post, landmarks)
     where, target = f"{case_file}: post", Target(pre)
-    found = settling.settled(target, post, search.best(pre, post, landmarks), landmarks)
-    match = matched(target, post, found.placement)
-    judge.check_handedness(where, pre, post, target, found, match, landmarks)
-    judge.check_direction(where, pre, post, target, found, landmarks)
-    judge.check_fit(where, target, post, found, match, landmarks)
-    judge.check_place(where, target, post, found, match, landmarks)
-    if wanted["compare"] == "flow":
-        judge.check_outlets(where, match, landmarks)
+    result = axes_refinement.refine_by_axes(target, post, search.find_placement(pre, post, landmarks), landmarks)
+    match = match_branches(target, post, result.placement)
+    placement_checks.check_handedness(where, pre, post, target, result, match, landmarks)
+    placement_checks.check_direction(where, pre, post, target, result, landmarks)
+    placement_checks.check_fit(where, target, post, result, match, landmarks)
+    placement_checks.check_place_along(where, target, post, result, match, landmarks)
+    if settings["compare"] == "flow":
+        placement_checks.check_outlets(where, match, landmarks)
     surface = vtp.read_triangles(pathlib.Path(post_folder) / "lumen.vtp", "run `lumen process` again")
-    surface.GetPoints().SetData(_points(found.placement.apply(vtp.points(surface))))
+    surface.GetPoints().SetData(_vtk_points(result.placement.apply(vtp.points(surface))))
     vtp.write(out / "lumen.vtp", surface)
-    write_json(out / "like.json", like(post.summary, found.placement, match))
-    for said in judge.warnings(target, post, found, match, landmarks):
-        print(f"warning: {where}: {said}", file=sys.stderr)
-    write_json(out / "registration.json", document(target, post, found, match, landmarks, wanted["compare"]))
+    write_json(out / "like.json", like_document(post.summary, result.placement, match))
+    for warning in placement_checks.warnings(target, post, result, match, landmarks):
+        print(f"warning: {where}: {warning}", file=sys.stderr)
+    write_json(
+        out / "registration.json", registration_document(target, post, result, match, landmarks, settings["compare"])
+    )
 
 
-def like(summary, placement, match):
+def like_document(summary, placement, match):
     """like.json as a dict, for `lumen process --like`: the ends of the moved lumen, with the branches' names before.
 
     summary: anatomy.json of the lumen afterwards.
@@ -62,10 +64,10 @@ def like(summary, placement, match):
     return {"schema": "vci-anatomy-1", "ends": ends}
 
 
-def document(target, post, found, match, landmarks, compare):
+def registration_document(target, post, result, match, landmarks, compare):
     """The content of registration.json. compare: `flow` or `areas`, as in the case."""
-    placement, residual = found.placement, match.residual_mm
-    both, contained = judge.shares(target, post, placement)
+    placement, residual = result.placement, match.residual_mm
+    both, contained = placement_checks.axis_shares(target, post, placement)
     alone = search.spans_a_plane(landmarks[1])
     return {
         "schema": "vci-registration-1",
@@ -80,28 +82,28 @@ def document(target, post, found, match, landmarks, compare):
             "largest": float(residual.max()),
         },
         "usual_radius_mm": match.usual_radius_mm,
-        "landmarks_off_mm": judge.landmark_misses(placement, landmarks).tolist(),
-        "shared": {branch: {"s_start_mm": a, "s_end_mm": b} for branch, (a, b) in match.shared.items()},
+        "landmarks_off_mm": placement_checks.landmark_distances_mm(placement, landmarks).tolist(),
+        "shared": {branch: {"s_start_mm": a, "s_end_mm": b} for branch, (a, b) in match.shared_ranges.items()},
         "share_of_both": both,
         "share_of_the_shorter": contained,
         "branches": match.names,
-        "missing": match.missing,
-        "new": match.new,
+        "missing": match.missing_branches,
+        "new": match.new_branches,
         "next_best": None
-        if found.rival is None
-        else {"misfit": found.rival_cost, "apart_mm": found.placement.apart_mm(found.rival, post.points)},
-        "misfit": found.cost,
-        "warnings": judge.warnings(target, post, found, match, landmarks),
-        "turn_about_axis_known": bool(settling.has_width(target.points) or len(landmarks[0]) > 1),
+        if result.rival is None
+        else {"misfit": result.rival_cost, "apart_mm": result.placement.mean_distance_mm(result.rival, post.points)},
+        "misfit": result.cost,
+        "warnings": placement_checks.warnings(target, post, result, match, landmarks),
+        "turn_about_axis_known": bool(axes_refinement.deviates_from_line(target.points) or len(landmarks[0]) > 1),
     }
 
 
-def _landmarks(wanted):
+def _landmarks(settings):
     """(pre (m, 3), post (m, 3)) in mm from the case's section `registration`."""
-    pairs = wanted.get("landmarks", [])
+    pairs = settings.get("landmarks", [])
     return tuple(np.array([pair[key] for pair in pairs], float).reshape(-1, 3) for key in ("pre_mm", "post_mm"))
 
 
-def _points(points_mm):
+def _vtk_points(points_mm):
     poly = vtp.surface(points_mm, np.zeros((0, 3), int))
     return poly.GetPoints().GetData()

@@ -2,19 +2,23 @@
 
 import numpy as np
 
-from .match import KEPT
-from .search import stretch
+from .match import KEPT_SHARE
+from .search import fit_stretch
 from .tree import STEP_MM
 
 # All in usual radii.
 SLID_RADII = 1.0  # by how much the lumen afterwards is slid along the vessel
-AS_WELL = 0.07  # residual below which a slid lumen fits well; right pairs have 0.05, 30 mm of a real artery slid 0.10
-DIFFERS = 0.14  # residual from which the place is fixed even if the vessel counts as straight
-STRAIGHT = 0.25  # rms distance from a line below which a vessel is straight; centres of an eccentric lumen have this
+SLID_RESIDUAL = (
+    0.07  # residual below which a slid lumen fits well; right pairs have 0.05, 30 mm of a real artery slid 0.10
+)
+STRAIGHT_SLID_RESIDUAL = 0.14  # residual from which the place is fixed even if the vessel counts as straight
+STRAIGHT_SPREAD = (
+    0.25  # rms distance from a line below which a vessel is straight; centres of an eccentric lumen have this
+)
 NO_LANDMARKS = (np.zeros((0, 3)), np.zeros((0, 3)))
 
 
-def slides(target, tree, placement, match):
+def fits_after_sliding(target, tree, placement, match):
     """Whether nothing but the ends tells where along the vessel the lumen afterwards lies.
 
     This is so if it also fits after it is slid along the vessel by a radius and fitted again. For a straight main
@@ -27,18 +31,18 @@ def slides(target, tree, placement, match):
     residual = slid_residual(target, tree, placement)
     if residual is None:
         return straight
-    return residual < (DIFFERS if straight else AS_WELL)
+    return residual < (STRAIGHT_SLID_RESIDUAL if straight else SLID_RESIDUAL)
 
 
-def may_slide(target, tree, placement, match):
+def depends_on_landmark(target, tree, placement, match):
     """Whether a lone landmark may be all that fixes the place along the vessel.
 
-    Unlike slides() it is true of every straight vessel without a second common branch: at a wrong place the residual
-    after sliding tells nothing.
+    Unlike fits_after_sliding() it is true of every straight vessel without a second common branch: at a wrong place the
+    residual after sliding tells nothing.
     """
     if _shares_a_branch(target, match):
         return False
-    return _is_straight(target, tree) or slides(target, tree, placement, match)
+    return _is_straight(target, tree) or fits_after_sliding(target, tree, placement, match)
 
 
 def _shares_a_branch(target, match):
@@ -48,7 +52,7 @@ def _shares_a_branch(target, match):
 def _is_straight(target, tree):
     points = tree.branches["main"].points
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1] / np.sqrt(len(points))
-    return spread < STRAIGHT * target.usual_radius_mm
+    return spread < STRAIGHT_SPREAD * target.usual_radius_mm
 
 
 def slid_residual(target, tree, placement):
@@ -57,14 +61,16 @@ def slid_residual(target, tree, placement):
     None without enough overlap. target, tree: the lumen before (Target) and afterwards (Tree).
     """
     moved = placement.apply(tree.branches["main"].points)
-    on, nearest, route = max((_overlap(target, line, moved) for line in target.tree.routes.values()), key=_count)
+    on, nearest, route = max(
+        (_overlap(target, line, moved) for line in target.tree.routes.values()), key=_overlap_count
+    )
     shift = max(1, round(SLID_RADII * target.usual_radius_mm / STEP_MM))
-    found = []
+    residuals = []
     for step in (-shift, shift):
         k = np.flatnonzero(on & (nearest + step >= 0) & (nearest + step < len(route.points)))
         if len(k) > shift:
-            found.append(_refitted(route.points[nearest[k] + step], moved[k], target.usual_radius_mm))
-    return min(found, default=None)
+            residuals.append(_refit_residual(route.points[nearest[k] + step], moved[k], target.usual_radius_mm))
+    return min(residuals, default=None)
 
 
 def _overlap(target, route, moved):
@@ -73,17 +79,17 @@ def _overlap(target, route, moved):
     return away.min(axis=1) < target.usual_radius_mm, away.argmin(axis=1), route
 
 
-def _count(overlap):
+def _overlap_count(overlap):
     return np.count_nonzero(overlap[0])
 
 
-def _refitted(before, after, usual_radius_mm):
-    _, placement = stretch(before, after, len(before), len(after), usual_radius_mm, NO_LANDMARKS)
-    off = np.sort(np.linalg.norm(placement.apply(after) - before, axis=1))[: max(1, int(KEPT * len(before)))]
+def _refit_residual(before, after, usual_radius_mm):
+    _, placement = fit_stretch(before, after, len(before), len(after), usual_radius_mm, NO_LANDMARKS)
+    off = np.sort(np.linalg.norm(placement.apply(after) - before, axis=1))[: max(1, int(KEPT_SHARE * len(before)))]
     return float(np.sqrt(np.mean(off**2))) / usual_radius_mm
 
 
-def runs_along(target, tree, placement):
+def direction_cosine(target, tree, placement):
     """Mean cosine between the directions of both lumens' axes, over the first half of the shared main vessel.
 
     It is 1 if both run in the same direction, and -1 if the lumen afterwards is reversed. Without overlap it is 1.

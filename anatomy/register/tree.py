@@ -8,7 +8,7 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
 
-from ..measured import read_summary
+from ..lumen_results import read_summary
 
 STEP_MM = 0.5  # between the points of an axis
 MIRROR = np.array([1.0, 1.0, -1.0])  # factors that turn coordinates into those of a mirror image
@@ -89,10 +89,10 @@ def _resampled(name, s, points, radius):
 
 def _route(name, branches, parents):
     """The Line from the inlet through the parents to the branch's end."""
-    pieces, upto = [], None
+    pieces, take_off_mm = [], None
     while name is not None:
         line = branches[name]
-        last = len(line.points) if upto is None else 1 + int(round(upto / STEP_MM))
+        last = len(line.points) if take_off_mm is None else 1 + int(round(take_off_mm / STEP_MM))
         pieces.insert(0, (line.points[:last], line.radius[:last], line.branch[:last]))
-        name, upto = parents[name]
+        name, take_off_mm = parents[name]
     return Line(*(np.concatenate([piece[k] for piece in pieces]) for k in range(3)))

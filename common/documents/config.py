@@ -8,8 +8,11 @@ import pathlib
 from common.documents import schema, yaml_reader
 from common.errors import InputError
 
-ENDS_OF = {"contours": "z_from says which end is proximal", "ct": "ct.inlet_mm and ct.outlets_mm say where they are"}
-LUMEN_WAYS = ("path", "contours", "ct")
+ENDS_REMEDY = {
+    "contours": "z_from says which end is proximal",
+    "ct": "ct.inlet_mm and ct.outlets_mm say where they are",
+}
+LUMEN_SOURCES = ("path", "contours", "ct")
 # The hyperaemic flow of a whole heart is 582 +- 138 mL/min, that is about 10 mL/s (flow/inflow.md).
 # So a value below LEAST_INFLOW_ML_PER_MIN was probably given in mL/s or L/min, and a message proposes these units.
 LEAST_INFLOW_ML_PER_MIN, MOST_INFLOW_ML_PER_MIN = 10, 1000
@@ -97,21 +100,21 @@ def _check_flow(document):
 
 
 def _check_lumen(document, key):
-    """Refuses a lumen (`lumen` or `post`) that is not given in exactly one of LUMEN_WAYS.
+    """Refuses a lumen (`lumen` or `post`) that is not given in exactly one of LUMEN_SOURCES.
 
     Only a surface or mask file (`path`) may have keys that name its ends and its label.
     """
     lumen = document.data[key]
-    ways = [way for way in LUMEN_WAYS if way in lumen]
-    if len(ways) != 1:
-        _refuse(document, (key,), "a lumen is given in one way", f"one of the keys {', '.join(LUMEN_WAYS)}")
+    sources = [source for source in LUMEN_SOURCES if source in lumen]
+    if len(sources) != 1:
+        _refuse(document, (key,), "a lumen is given in one way", f"one of the keys {', '.join(LUMEN_SOURCES)}")
     if "path" in lumen:
         return
     for name in ("inlet_point_mm", "outlet_points_mm", "label"):
         if name in lumen:
-            remedy = "leave the key out; " + ENDS_OF[ways[0]]
-            _refuse(document, (key, name), f"{ways[0]} knows its ends", remedy)
-    if ways == ["ct"] and lumen["units"] != "mm":
+            remedy = "leave the key out; " + ENDS_REMEDY[sources[0]]
+            _refuse(document, (key, name), f"{sources[0]} knows its ends", remedy)
+    if sources == ["ct"] and lumen["units"] != "mm":
         _refuse(document, (key, "units"), "CT volumes are in mm", "units: mm, and points in mm")
 
 
@@ -164,7 +167,7 @@ def resolve_settings(study, case):
 
     study, case: contents (dict) of study.yaml and of the case file.
     """
-    return {section: _overlay(study[section], case["settings"].get(section, {})) for section in SECTIONS}
+    return {section: _deep_merge(study[section], case["settings"].get(section, {})) for section in SECTIONS}
 
 
 def _load(path, schema_name):
@@ -177,11 +180,11 @@ def _load(path, schema_name):
     return document
 
 
-def _overlay(base, top):
+def _deep_merge(base, top):
     merged = dict(base)
     for key, value in top.items():
         merged[key] = (
-            _overlay(base[key], value) if isinstance(value, dict) and isinstance(base.get(key), dict) else value
+            _deep_merge(base[key], value) if isinstance(value, dict) and isinstance(base.get(key), dict) else value
         )
     return merged
 
@@ -193,7 +196,7 @@ def _refuse(document, path, what, remedy):
     raise InputError(what, document.where(path), value, remedy)
 
 
-def _rising(values):
+def _strictly_increasing(values):
     return all(a < b for a, b in zip(values, values[1:]))
 
 
@@ -201,7 +204,7 @@ def _check_balloon(document):
     family, chart = document.data, document.data["chart"]
     for path in (("diameters_mm",), ("lengths_mm",), ("chart", "pressure_bar"), ("chart", "diameter_percent")):
         values = chart[path[1]] if len(path) == 2 else family[path[0]]
-        if not _rising(values):
+        if not _strictly_increasing(values):
             _refuse(document, path, "values do not rise", "list them from small to large, each once")
     if len(chart["pressure_bar"]) != len(chart["diameter_percent"]):
         _refuse(
@@ -228,10 +231,10 @@ def _check_balloon(document):
 def _check_stent(document):
     family = document.data
     for path in (("diameters_mm",), ("lengths_mm",)):
-        if not _rising(family[path[0]]):
+        if not _strictly_increasing(family[path[0]]):
             _refuse(document, path, "values do not rise", "list them from small to large, each once")
     limits = [design["up_to_diameter_mm"] for design in family["designs"]]
-    if not _rising(limits) or limits[-1] != family["diameters_mm"][-1]:
+    if not _strictly_increasing(limits) or limits[-1] != family["diameters_mm"][-1]:
         _refuse(
             document,
             ("designs",),

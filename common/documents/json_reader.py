@@ -36,7 +36,7 @@ def read(file, kind, remedy=None):
     kind: the expected file in words, say plan.json. remedy: the advice in messages, else to give a file of that kind.
     Raises InputError when the file cannot be read, is not JSON, is no group of keys or has a number that is not finite.
     """
-    file, finite = pathlib.Path(file), remedy or "give a finite number"
+    file, finite_remedy = pathlib.Path(file), remedy or "give a finite number"
     remedy = remedy or f"give a file of the kind {kind}"
     try:
         data = json.loads(file.read_text(encoding="utf-8"))
@@ -48,7 +48,7 @@ def read(file, kind, remedy=None):
     document = Document(file, data)
     if not isinstance(data, dict):
         raise InputError("not a group of keys", file, str(data)[:80], remedy)
-    document.check_finite(finite)
+    document.check_finite(finite_remedy)
     return document
 
 

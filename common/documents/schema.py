@@ -17,7 +17,7 @@ from common.documents import yaml_reader
 from common.errors import InputError
 
 # Schema of a forbidden key, in place of the plain `false`. For `false`, jsonschema 4.19 does not report the key.
-NO_PLACE = {"not": {}}
+FORBIDDEN_KEY = {"not": {}}
 
 FOLDER = pathlib.Path(__file__).resolve().parents[2] / "config" / "schemas"
 
@@ -25,12 +25,12 @@ FOLDER = pathlib.Path(__file__).resolve().parents[2] / "config" / "schemas"
 @functools.lru_cache(maxsize=None)
 def read(name):
     """The schema `config/schemas/<name>.schema.yaml`, its references expanded."""
-    return _expand(yaml_reader.read(FOLDER / f"{name}.schema.yaml").data, partial=False)
+    return _expand_references(yaml_reader.read(FOLDER / f"{name}.schema.yaml").data, partial=False)
 
 
-def _expand(schema, partial):
+def _expand_references(schema, partial):
     if isinstance(schema, list):
-        return [_expand(item, partial) for item in schema]
+        return [_expand_references(item, partial) for item in schema]
     if not isinstance(schema, dict):
         return schema
     if "$ref" in schema:
@@ -42,37 +42,40 @@ def _expand(schema, partial):
         if partial and key in ("required", "default"):
             continue
         if key == "properties":  # holds names of keys, which may be "default" or "required"
-            expanded[key] = {name: NO_PLACE if item is False else _expand(item, inside) for name, item in value.items()}
+            expanded[key] = {
+                name: FORBIDDEN_KEY if item is False else _expand_references(item, inside)
+                for name, item in value.items()
+            }
         else:
-            expanded[key] = _expand(value, inside)
+            expanded[key] = _expand_references(value, inside)
     return expanded
 
 
 def validate(document, schema):
     """Raises InputError for the first value of `document` (in file order) that `schema` does not allow."""
     validator = jsonschema.Draft202012Validator(schema)
-    errors = [_deepest(error) for error in validator.iter_errors(document.data)]
+    errors = [_most_specific(error) for error in validator.iter_errors(document.data)]
     if errors:
-        raise _explain(document, min(errors, key=lambda error: _order(document, error)))
+        raise _input_error(document, min(errors, key=lambda error: _sort_key(document, error)))
 
 
-def _order(document, error):
+def _sort_key(document, error):
     """Sort key: errors in the file's order. Within a line: a key not allowed there, then an unknown key, then others.
 
     An unknown key comes before a missing one, because it is often that key misspelt.
     """
-    rank = 0 if error.schema == NO_PLACE else 1 if error.validator == "additionalProperties" else 2
+    rank = 0 if error.schema == FORBIDDEN_KEY else 1 if error.validator == "additionalProperties" else 2
     return document.line(error.absolute_path), rank, str(error.message)
 
 
 def with_defaults(data, schema):
     """A copy of `data` in which every missing key that has a default in `schema` is filled in."""
     data = copy.deepcopy(data)
-    _fill(data, schema)
+    _fill_defaults(data, schema)
     return data
 
 
-def _fill(data, schema):
+def _fill_defaults(data, schema):
     if isinstance(data, dict):
         for key, sub in schema.get("properties", {}).items():
             if key not in data and "default" in sub:
@@ -80,53 +83,56 @@ def _fill(data, schema):
             if key in data:
                 if sub.get("type") == "integer" and isinstance(data[key], float):
                     data[key] = int(data[key])  # JSON Schema accepts 24.0 as a whole number, range() does not
-                _fill(data[key], sub)
+                _fill_defaults(data[key], sub)
     elif isinstance(data, list) and "items" in schema:
         if schema["items"].get("type") == "integer":
             data[:] = [int(item) if isinstance(item, float) else item for item in data]
         for item in data:
-            _fill(item, schema["items"])
+            _fill_defaults(item, schema["items"])
     for branch in schema.get("anyOf", ()):
         if jsonschema.Draft202012Validator({"type": branch.get("type", [])}).is_valid(data):
-            _fill(data, branch)
+            _fill_defaults(data, branch)
 
 
-def _deepest(error):
+def _most_specific(error):
     """The error to report. If no alternative of an anyOf fits, it is the error of the one that fits best.
 
     The author of the file probably meant that alternative. But if the value itself, its type or range, is wrong in
     every alternative, the error of the anyOf is reported. Its message names all alternatives.
     """
-    while any(inner.absolute_path != error.absolute_path or inner.validator not in _WHOLE for inner in error.context):
+    while any(
+        inner.absolute_path != error.absolute_path or inner.validator not in _WHOLE_VALUE_RULES
+        for inner in error.context
+    ):
         error = max(
             error.context, key=lambda inner: (len(inner.absolute_path), inner.validator not in ("type", "const"))
         )
     return error
 
 
-def _explain(document, error):
+def _input_error(document, error):
     """One jsonschema error as an InputError: file, line, key, value and the allowed values."""
     path, value, rule = list(error.absolute_path), error.instance, error.validator_value
     allowed = describe(error.schema) if isinstance(error.schema, dict) else ""
     if error.validator == "additionalProperties":
         known = sorted(error.schema.get("properties", {}))
         key = next(key for key in value if key not in known)
-        near = difflib.get_close_matches(str(key), known, n=1, cutoff=0.5)
-        remedy = (f"did you mean {near[0]}? " if near else "") + f"known keys here: {', '.join(known)}"
-        return InputError("unknown key", document.where(path + [key]), _short(value[key]), remedy)
+        similar = difflib.get_close_matches(str(key), known, n=1, cutoff=0.5)
+        remedy = (f"did you mean {similar[0]}? " if similar else "") + f"known keys here: {', '.join(known)}"
+        return InputError("unknown key", document.where(path + [key]), _shortened(value[key]), remedy)
     if error.validator == "required":
         missing = next(key for key in rule if key not in value)
-        what_it_is = error.schema.get("properties", {}).get(missing, {})
+        missing_schema = error.schema.get("properties", {}).get(missing, {})
         where = document.where(path) + (": " if path else ", ") + f"key {missing} is missing"
         remedy = (
-            f"add {missing}: {describe(what_it_is)}"
-            if isinstance(what_it_is, dict) and what_it_is
+            f"add {missing}: {describe(missing_schema)}"
+            if isinstance(missing_schema, dict) and missing_schema
             else f"add {missing}"
         )
         return InputError("key is missing", where, "none", remedy)
-    if error.schema == NO_PLACE:
-        return InputError("key has no place here", document.where(path), _short(value), "remove it")
-    return InputError("value is not allowed", document.where(path), _short(value), f"allowed: {allowed}")
+    if error.schema == FORBIDDEN_KEY:
+        return InputError("key has no place here", document.where(path), _shortened(value), "remove it")
+    return InputError("value is not allowed", document.where(path), _shortened(value), f"allowed: {allowed}")
 
 
 def describe(schema):
@@ -160,7 +166,15 @@ def describe(schema):
 
 
 _NUMBER = re.compile(r"\s*[-+]?[.\d]")
-_WHOLE = ("type", "const", "enum", "minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum")  # of a whole value
+_WHOLE_VALUE_RULES = (
+    "type",
+    "const",
+    "enum",
+    "minimum",
+    "exclusiveMinimum",
+    "maximum",
+    "exclusiveMaximum",
+)  # of a whole value
 _TYPES = {
     "number": "a number",
     "integer": "a whole number",
@@ -182,7 +196,7 @@ _LIMITS = {
 }
 
 
-def _short(value):
+def _shortened(value):
     """A value for a message, cut if it is long. A number in quotes keeps the quotes, since they are the mistake."""
     text = repr(value) if isinstance(value, str) and _NUMBER.match(value) else str(value)
     return text if len(text) <= 80 else text[:77] + "..."

@@ -16,9 +16,9 @@ from common.errors import InputError
 
 MOST_VALUES = 100_000  # in one file. A study's files hold some hundreds; nested aliases can expand to billions.
 LONGEST_NUMBER = 300  # characters of a whole number; a longer one might not be finite as a float
-TAG = "tag:yaml.org,2002:"
+TAG_PREFIX = "tag:yaml.org,2002:"
 # YAML 1.2's kinds of plain value: {kind: (pattern of its text, characters that the text may begin with)}
-PLAIN = {
+PLAIN_SCALARS = {
     "null": (r"^(~|null|Null|NULL|)$", ["~", "n", "N", ""]),
     "bool": (r"^(true|false)$", list("tf")),
     "int": (r"^([-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+)$", list("-+0123456789")),
@@ -28,7 +28,7 @@ PLAIN = {
     ),
     "merge": (r"^<<$", ["<"]),
 }
-TAGS = {TAG + name for name in (*PLAIN, "str", "seq", "map")}
+CORE_TAGS = {TAG_PREFIX + name for name in (*PLAIN_SCALARS, "str", "seq", "map")}
 
 
 class _Loader(yaml.SafeLoader):
@@ -36,15 +36,15 @@ class _Loader(yaml.SafeLoader):
 
     yaml_implicit_resolvers = {}
 
-    def construct_whole(self, node):
+    def construct_integer(self, node):
         """The integer of a scalar node: octal after 0o, hexadecimal after 0x, else decimal, even with leading zeros."""
         text = self.construct_scalar(node)
         return int(text, 0) if text[:2] in ("0o", "0x") else int(text)
 
 
-for _name, (_pattern, _first) in PLAIN.items():
-    _Loader.add_implicit_resolver(TAG + _name, re.compile(_pattern), _first)
-_Loader.add_constructor(TAG + "int", _Loader.construct_whole)
+for _name, (_pattern, _first) in PLAIN_SCALARS.items():
+    _Loader.add_implicit_resolver(TAG_PREFIX + _name, re.compile(_pattern), _first)
+_Loader.add_constructor(TAG_PREFIX + "int", _Loader.construct_integer)
 
 
 class Document:
@@ -102,7 +102,7 @@ def read(file):
         node = loader.get_single_node()
         lines = {(): 1}
         if node is not None:
-            _check(loader, node, (), file, lines)
+            _check_node(loader, node, (), file, lines)
         data = loader.construct_document(node) if node is not None else {}
     except RecursionError:
         remedy = "write the values out; no alias (*) within its own anchor (&)"
@@ -118,7 +118,7 @@ def read(file):
     return document
 
 
-def _check(loader, node, path, file, lines):
+def _check_node(loader, node, path, file, lines):
     """Records the line of every value below `node`; refuses values outside the core schema and repeated keys."""
     line = node.start_mark.line + 1
     where = f"{file}, line {line}" + (f", key {key_name(path)}" if path else "")
@@ -126,15 +126,15 @@ def _check(loader, node, path, file, lines):
     if len(lines) > MOST_VALUES:
         remedy = "write them out; aliases (*) of lists that hold aliases multiply"
         raise InputError("too many values", where, f"more than {MOST_VALUES}", remedy)
-    if node.tag not in TAGS:
+    if node.tag not in CORE_TAGS:
         remedy = "leave the tag out: text, numbers, true, false, null, lists and groups of keys need none"
-        raise InputError("tag that a configuration does not have", where, node.tag.replace(TAG, "!!"), remedy)
+        raise InputError("tag that a configuration does not have", where, node.tag.replace(TAG_PREFIX, "!!"), remedy)
     if isinstance(node, yaml.SequenceNode):
         for position, child in enumerate(node.value):
-            _check(loader, child, path + (position,), file, lines)
+            _check_node(loader, child, path + (position,), file, lines)
     elif isinstance(node, yaml.MappingNode):
         for key_node, child in node.value:
-            if key_node.tag not in (TAG + "str", TAG + "merge"):
+            if key_node.tag not in (TAG_PREFIX + "str", TAG_PREFIX + "merge"):
                 where = f"{file}, line {key_node.start_mark.line + 1}" + (f", in {key_name(path)}" if path else "")
                 value = key_node.value if isinstance(key_node, yaml.ScalarNode) else "a list or a group of keys"
                 remedy = "keys are words; a decimal comma parts two entries: write a point"
@@ -145,7 +145,7 @@ def _check(loader, node, path, file, lines):
                 raise InputError(
                     "key given twice", where, key_node.value, f"keep one; the first is on line {lines[key]}"
                 )
-            _check(loader, child, key, file, lines)
+            _check_node(loader, child, key, file, lines)
             lines[key] = key_node.start_mark.line + 1
     else:
         _check_scalar(loader, node, where)
@@ -154,10 +154,10 @@ def _check(loader, node, path, file, lines):
 def _check_scalar(loader, node, where):
     """Refuses three scalars: one that its tag does not fit, too long a whole number, and half a surrogate pair."""
     plain = loader.resolve(yaml.ScalarNode, node.value, (True, False))
-    if node.tag not in (TAG + "str", plain):
-        value = f"{node.tag.replace(TAG, '!!')} {node.value}"
+    if node.tag not in (TAG_PREFIX + "str", plain):
+        value = f"{node.tag.replace(TAG_PREFIX, '!!')} {node.value}"
         raise InputError("value that its tag does not fit", where, value, "leave the tag out")
-    if node.tag == TAG + "int" and len(node.value) > LONGEST_NUMBER:
+    if node.tag == TAG_PREFIX + "int" and len(node.value) > LONGEST_NUMBER:
         value = node.value[:20] + "..."
         raise InputError("number of too many digits", where, value, f"at most {LONGEST_NUMBER} characters")
     try:

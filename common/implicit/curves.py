@@ -101,7 +101,7 @@ class Curve:
         return s
 
 
-def integrate(curvature_1, curvature_2, step_mm):
+def curve_from_curvatures(curvature_1, curvature_2, step_mm):
     """Points (n, 3) in mm of a curve, from its curvatures (n,) in 1/mm towards the normal and the binormal.
 
     step_mm: arc length between the points. Normal and binormal are of the rotation-minimising frame. The curve starts

@@ -2,11 +2,12 @@
 
 import numpy as np
 
-SNAP = 0.3  # share of an edge's length; a vertex nearer to the plane than this moves onto it, to avoid thin triangles
+# Share of an edge's length. A vertex nearer to the plane than this moves onto it, to avoid thin triangles.
+SNAP_SHARE = 0.3
 RIM_PASSES = 8
 
 
-def at_end(field, points, triangles, centre, normal, radius):
+def cut_at_end(field, points, triangles, centre, normal, radius):
     """(points (n, 3) mm, triangles (m, 3)) of a wall without the part beyond the plane of one end.
 
     centre (3,), normal (3,) outward, radius (mm): of that end. Every triangle that crosses the plane is split along
@@ -19,32 +20,32 @@ def at_end(field, points, triangles, centre, normal, radius):
     local = (np.linalg.norm(offset, axis=1) < 3.5 * radius + 1) & (across < 1.6 * radius)
     edges = _edges(triangles)
     edges = edges[local[edges].all(axis=1)]
-    snapped = _nearest_ends(edges, height)
+    snapped = _vertices_near_plane(edges, height)
     points = points.copy()
-    points[snapped] = _on_rim(field, points[snapped], centre, normal)
+    points[snapped] = _project_to_rim(field, points[snapped], centre, normal)
     height[snapped] = 0.0
     crossed = edges[height[edges[:, 0]] * height[edges[:, 1]] < 0]
     h0, h1 = height[crossed].T
     share = (h0 / (h0 - h1))[:, None]
     middle = (1 - share) * points[crossed[:, 0]] + share * points[crossed[:, 1]]
-    points = np.concatenate([points, _on_rim(field, middle, centre, normal)])
+    points = np.concatenate([points, _project_to_rim(field, middle, centre, normal)])
     height = np.concatenate([np.where(local, height, -np.inf), np.zeros(len(crossed))])
-    return points, _below(points, triangles, height, crossed)
+    return points, _triangles_below(points, triangles, height, crossed)
 
 
 def _edges(triangles):
     return np.unique(np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
 
 
-def _nearest_ends(edges, height):
-    """Vertices of edges across the plane, nearer to it along their edge than SNAP of the edge's length."""
+def _vertices_near_plane(edges, height):
+    """Vertices of edges across the plane, nearer to it along their edge than SNAP_SHARE of the edge's length."""
     h0, h1 = height[edges].T
     edges, h0, h1 = (x[h0 * h1 < 0] for x in (edges, h0, h1))
     share = h0 / (h0 - h1)
-    return np.unique(np.concatenate([edges[share < SNAP, 0], edges[share > 1 - SNAP, 1]]))
+    return np.unique(np.concatenate([edges[share < SNAP_SHARE, 0], edges[share > 1 - SNAP_SHARE, 1]]))
 
 
-def _on_rim(field, points, centre, normal):
+def _project_to_rim(field, points, centre, normal):
     """Points (n, 3) moved by turns onto the wall and onto the end's plane, the plane last."""
     for _ in range(RIM_PASSES):
         points = field.project(points, 1)
@@ -52,19 +53,19 @@ def _on_rim(field, points, centre, normal):
     return points
 
 
-def _below(points, triangles, height, crossed):
+def _triangles_below(points, triangles, height, crossed):
     """Triangles (m, 3) at or below the end's plane; those that cross it are cut along it.
 
     height (n + k,): of all vertices over the plane in mm; the last k are the new vertices, with height 0.
     crossed (k, 2): the edge on which each new vertex lies.
     """
     first = len(height) - len(crossed)
-    number = {(int(a), int(b)): first + index for index, (a, b) in enumerate(crossed)}
-    of = height[triangles]
+    new_vertex = {(int(a), int(b)): first + index for index, (a, b) in enumerate(crossed)}
+    heights = height[triangles]
     # A triangle with all corners on the rim lies in the plane of the cap: it is no part of the wall.
-    whole = (of.max(axis=1) <= 0) & (of.min(axis=1) < 0)
+    whole = (heights.max(axis=1) <= 0) & (heights.min(axis=1) < 0)
     kept = [triangles[whole]]
-    split = triangles[(of.max(axis=1) > 0) & (of.min(axis=1) < 0) & np.isfinite(of).all(axis=1)]
+    split = triangles[(heights.max(axis=1) > 0) & (heights.min(axis=1) < 0) & np.isfinite(heights).all(axis=1)]
     pieces = []
     for triangle in split.tolist():
         ring = []
@@ -72,12 +73,12 @@ def _below(points, triangles, height, crossed):
             if height[a] <= 0:
                 ring.append(a)
             if height[a] * height[b] < 0:
-                ring.append(number[min(a, b), max(a, b)])
-        pieces += _fan(points, ring)
+                ring.append(new_vertex[min(a, b), max(a, b)])
+        pieces += _triangulate_ring(points, ring)
     return np.concatenate(kept + ([np.array(pieces)] if pieces else []))
 
 
-def _fan(points, ring):
+def _triangulate_ring(points, ring):
     """Triangles of a ring of three or four vertices. A quadrilateral is split along its shorter diagonal."""
     if len(ring) == 3:
         return [ring]

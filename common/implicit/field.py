@@ -3,7 +3,7 @@
 import numpy as np
 
 BLEND_MM = 0.5  # branches are blended where their fields differ by less
-BAND_MM = 0.6  # on a grid the field is computed only this near to the wall
+NARROW_BAND_MM = 0.6  # on a grid the field is computed only this near to the wall
 
 
 def smooth_minimum(a, b, width=BLEND_MM):
@@ -34,7 +34,7 @@ class LumenField:
         total = self.branch_value(self.branches[0], points_mm, iterations)
         for branch in self.branches[1:]:
             # A side branch cannot change the minimum far from itself; skipping it saves most of the work.
-            near = _within(branch, points_mm, 3.0)
+            near = _inside_box(branch, points_mm, 3.0)
             if near.any():
                 total[near] = smooth_minimum(total[near], self.branch_value(branch, points_mm[near], iterations))
         return total
@@ -56,13 +56,13 @@ class LumenField:
         return points_mm
 
 
-def _within(branch, points_mm, margin_mm):
-    reach = branch.healthy_mm.max() + margin_mm
+def _inside_box(branch, points_mm, margin_mm):
+    reach = branch.healthy_radius_mm.max() + margin_mm
     low, high = branch.axis.points_mm.min(axis=0) - reach, branch.axis.points_mm.max(axis=0) + reach
     return np.all((points_mm > low) & (points_mm < high), axis=1)
 
 
-def ends(branches):
+def open_ends(branches):
     """[(name, centre (3,) mm, outward unit normal (3,), radius mm)] of the open ends, the inlet first."""
     main = branches[0]
     first, _, _ = main.axis.frame(0.0)
@@ -77,32 +77,32 @@ def ends(branches):
 def sample_grid(field, spacing_mm):
     """Field on a regular grid, exact near the wall only: (origin (3,) mm, values (nx, ny, nz) mm).
 
-    Grid points farther than BAND_MM from the wall hold +-BAND_MM, so that no false surface appears. The grid also
-    covers the straight extensions of the open ends.
+    Grid points farther than NARROW_BAND_MM from the wall hold +-NARROW_BAND_MM, so that no false surface appears. The
+    grid also covers the straight extensions of the open ends.
     """
-    clouds = []
+    axis_samples = []
     for branch in field.branches:
-        axis, extra = branch.axis, 2 * branch.healthy_mm.max()
-        s = np.arange(-extra if not branch.parent else 0.0, axis.length_mm + extra, spacing_mm)
-        clouds.append((axis.point(s), branch.radius(s)))
-    margin = max(r.max() for _, r in clouds) + BAND_MM + 2 * spacing_mm
-    low = np.min([p.min(axis=0) for p, _ in clouds], axis=0) - margin
-    high = np.max([p.max(axis=0) for p, _ in clouds], axis=0) + margin
+        axis, extension = branch.axis, 2 * branch.healthy_radius_mm.max()
+        s = np.arange(-extension if not branch.parent else 0.0, axis.length_mm + extension, spacing_mm)
+        axis_samples.append((axis.point(s), branch.radius(s)))
+    margin = max(r.max() for _, r in axis_samples) + NARROW_BAND_MM + 2 * spacing_mm
+    low = np.min([p.min(axis=0) for p, _ in axis_samples], axis=0) - margin
+    high = np.max([p.max(axis=0) for p, _ in axis_samples], axis=0) + margin
     shape = np.ceil((high - low) / spacing_mm).astype(int) + 1
     # The wall lies between an inner and an outer tube about each axis. Balls along the axis mark both tubes.
     near = np.zeros(shape, bool)
-    core = np.zeros(shape, bool)
-    for points, radii in clouds:
+    inside = np.zeros(shape, bool)
+    for points, radii in axis_samples:
         for point, radius in zip(points, radii):
-            reach = radius + BAND_MM
+            reach = radius + NARROW_BAND_MM
             i0 = np.maximum(np.floor((point - reach - low) / spacing_mm).astype(int), 0)
             i1 = np.minimum(np.ceil((point + reach - low) / spacing_mm).astype(int) + 1, shape)
             x, y, z = (low[k] + spacing_mm * np.arange(i0[k], i1[k]) - point[k] for k in range(3))
             squared = x[:, None, None] ** 2 + y[None, :, None] ** 2 + z[None, None, :] ** 2
             box = np.s_[i0[0] : i1[0], i0[1] : i1[1], i0[2] : i1[2]]
             near[box] |= squared < reach**2
-            core[box] |= squared < max(radius - BAND_MM, 0) ** 2
-    values = np.where(core, -BAND_MM, BAND_MM)
-    band = np.argwhere(near & ~core)
+            inside[box] |= squared < max(radius - NARROW_BAND_MM, 0) ** 2
+    values = np.where(inside, -NARROW_BAND_MM, NARROW_BAND_MM)
+    band = np.argwhere(near & ~inside)
     values[tuple(band.T)] = field.value(low + spacing_mm * band, iterations=1)
     return low, values

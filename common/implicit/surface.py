@@ -31,7 +31,7 @@ def _contour(low, values, spacing_mm):
     return edges.GetOutput()
 
 
-def _relaxed(poly):
+def _smoothed(poly):
     """A smoothed contour, without its thin triangles. `build` then projects the vertices back onto the exact wall."""
     smooth = vtk.vtkWindowedSincPolyDataFilter()
     smooth.SetInputData(poly)
@@ -43,7 +43,7 @@ def _relaxed(poly):
     return smooth.GetOutput()
 
 
-def _drop_beyond(points, triangles, keep):
+def _keep_vertices(points, triangles, keep):
     """The triangles whose vertices are all kept, and the points that they use."""
     triangles = triangles[np.all(keep[triangles], axis=1)]
     used, inverse = np.unique(triangles, return_inverse=True)
@@ -54,14 +54,14 @@ def _boundary_loops(triangles):
     """Loops of vertex indices along the open edges, against the direction in which the triangles run."""
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     twins = set(map(tuple, edges[:, ::-1]))
-    follow = {b: a for a, b in map(tuple, edges) if (a, b) not in twins}
+    previous = {b: a for a, b in map(tuple, edges) if (a, b) not in twins}
     loops = []
-    while follow:
-        start, loop = min(follow), []
+    while previous:
+        start, loop = min(previous), []
         at = start
-        while at in follow:
+        while at in previous:
             loop.append(at)
-            at = follow.pop(at)
+            at = previous.pop(at)
         loops.append(loop)
     return loops
 
@@ -73,16 +73,16 @@ def build(field, spacing_mm):
     rim vertices on both the wall and the cap's plane. Raises ComputationError if the cut at an end fails.
     """
     low, values = implicit.sample_grid(field, spacing_mm)
-    poly = _relaxed(_contour(low, values, spacing_mm))
+    poly = _smoothed(_contour(low, values, spacing_mm))
     points, triangles = (
         vtp.points(poly),
         vtp.triangles(poly)[:, ::-1],
     )  # vtkFlyingEdges3D orients triangles towards lower values, here inwards
     points = field.project(points)
-    ends = implicit.ends(field.branches)
+    ends = implicit.open_ends(field.branches)
     for _, centre, normal, radius in ends:
-        points, triangles = cut.at_end(field, points, triangles, centre, normal, radius)
-    points, triangles = _largest(points, triangles)
+        points, triangles = cut.cut_at_end(field, points, triangles, centre, normal, radius)
+    points, triangles = _largest_component(points, triangles)
     loops = _boundary_loops(triangles)
     if len(loops) != len(ends):
         raise ComputationError(
@@ -91,10 +91,10 @@ def build(field, spacing_mm):
             f"{len(loops)} for {len(ends)} ends",
             "a finer generation spacing, or branches farther apart",
         )
-    return _capped(points, triangles, loops, ends)
+    return _add_caps(points, triangles, loops, ends)
 
 
-def _largest(points, triangles):
+def _largest_component(points, triangles):
     """The connected part with most triangles. The other parts may be cut-off ends of the vessel's extensions."""
     i, j = triangles[:, 0], triangles[:, 1]
     k = triangles[:, 2]
@@ -102,10 +102,10 @@ def _largest(points, triangles):
     graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(points),) * 2)
     _, labels = connected_components(graph, directed=False)
     largest = np.argmax(np.bincount(labels[triangles[:, 0]]))
-    return _drop_beyond(points, triangles, labels == largest)
+    return _keep_vertices(points, triangles, labels == largest)
 
 
-def _capped(points, triangles, loops, ends):
+def _add_caps(points, triangles, loops, ends):
     """Closes each opening, a ring of vertices in the plane of its end, with a flat disc."""
     on_cap = np.zeros(len(points), bool)
     for loop in loops:
@@ -113,7 +113,7 @@ def _capped(points, triangles, loops, ends):
         middle = points[rim].mean(axis=0)
         _, centre, normal, _ = min(ends, key=lambda e: np.linalg.norm(e[1] - middle))
         _check_rim(points[rim], centre, normal)
-        inner, cap = _disc(points[rim], centre, normal)
+        inner, cap = _cap_disc(points[rim], centre, normal)
         numbering = np.concatenate([rim, len(points) + np.arange(len(inner))])
         points = np.concatenate([points, inner])
         on_cap[rim] = True
@@ -131,7 +131,7 @@ def _check_rim(rim_points, centre, normal):
         raise ComputationError("the edge of an end turns back", "lumen surface", f"near {place} mm", "a finer spacing")
 
 
-def _disc(rim_points, centre, normal):
+def _cap_disc(rim_points, centre, normal):
     """Flat cap: (inner points (k, 3) mm, triangles facing along the outward normal).
 
     The triangles number the rim's points first, then the inner points. From the centre every point of the rim must be

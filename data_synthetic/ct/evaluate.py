@@ -4,7 +4,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-END_RADII = 1.5
+END_CLEARANCE_RADII = 1.5
 
 
 def section_area(points, triangles, centre, normal):
@@ -50,7 +50,7 @@ def section_area(points, triangles, centre, normal):
     return float(np.abs(area[round_centre]).min()) if round_centre.any() else np.nan
 
 
-def sections(branches, spacing_mm=0.5):
+def comparison_sections(branches, spacing_mm=0.5):
     """[(branch name, s_mm, centre (3,), tangent (3,))] of sections of all branches, except near ends and ostia."""
     found = []
     for branch in branches:
@@ -58,9 +58,9 @@ def sections(branches, spacing_mm=0.5):
         start = 0.0 if not branch.parent else None
         children = [b for b in branches if b.parent == branch.name]
         s = np.arange(0.0, branch.axis.length_mm, spacing_mm)
-        keep = s < branch.axis.length_mm - END_RADII * radius[-1]
+        keep = s < branch.axis.length_mm - END_CLEARANCE_RADII * radius[-1]
         if start is not None:
-            keep &= s > END_RADII * radius[0]
+            keep &= s > END_CLEARANCE_RADII * radius[0]
         else:
             parent = next(b for b in branches if b.name == branch.parent)
             points = branch.axis.point(s)
@@ -76,10 +76,12 @@ def sections(branches, spacing_mm=0.5):
     return found
 
 
-def compare(true, found, places, extents=None):
-    """Compares the section areas of two surfaces ((points, triangles) each) at `places` (as from `sections`).
+def compare_areas(true, found, sections, compared_spans=None):
+    """Compares the section areas of two surfaces, each (points, triangles), at `sections`.
 
-    extents: {branch: (start, end)} in mm, to compare only this part of a branch.
+    sections: as from `comparison_sections`.
+
+    compared_spans: {branch: (start, end)} in mm, to compare only this part of a branch.
 
     Returns a dictionary. Differences are found minus true. Of the areas it has mean_difference_mm2, sd_mm2, and the
     limits at +-1.96 sd, lower_limit_mm2 and upper_limit_mm2. Of the radii of circles of equal area it has
@@ -87,9 +89,11 @@ def compare(true, found, places, extents=None):
     lost_sections counts sections that are missing in `found`. The number of `sections` and the smallest areas are given
     too.
     """
-    if extents:
-        places = [p for p in places if p[0] in extents and extents[p[0]][0] <= p[1] <= extents[p[0]][1]]
-    area = np.array([[section_area(*s, centre, normal) for s in (true, found)] for _, _, centre, normal in places])
+    if compared_spans:
+        sections = [
+            p for p in sections if p[0] in compared_spans and compared_spans[p[0]][0] <= p[1] <= compared_spans[p[0]][1]
+        ]
+    area = np.array([[section_area(*s, centre, normal) for s in (true, found)] for _, _, centre, normal in sections])
     known = np.isfinite(area).all(axis=1)
     a, b = area[known].T
     difference = b - a

@@ -15,23 +15,23 @@ from common.errors import InputError
 from common.plaque_types import CALCIFIED, LIPID
 from common.volume import SIGMA_PER_FWHM, Image
 
-SLAB = 8  # voxel layers rendered at once; bounds the memory
+SLAB_LAYERS = 8  # voxel layers rendered at once; bounds the memory
 TISSUE_SAMPLES = 2  # per voxel edge; wall and plaque need fewer samples than the edge of the bright lumen
-LARGEST_VOXELS = 60e6
+MOST_VOXELS = 60e6
 
 
-def grid(vessel, settings):
+def voxel_grid(vessel, settings):
     """(centre (3,) in mm of the first voxel, number of voxels (3,)) of a volume round all pieces of a Vessel.
 
-    Raises InputError for more than LARGEST_VOXELS.
+    Raises InputError for more than MOST_VOXELS.
     """
     voxel, margin = np.array(settings["voxel_mm"]), settings["margin_mm"]
     points = np.concatenate([p for p, _ in vessel.pieces])
     low = np.floor((points.min(axis=0) - margin) / voxel) * voxel
     shape = np.ceil((points.max(axis=0) + margin - low) / voxel).astype(int) + 1
-    if np.prod(shape.astype(float)) > LARGEST_VOXELS:
+    if np.prod(shape.astype(float)) > MOST_VOXELS:
         raise InputError(
-            "the volume has too many voxels", "ct.phantom.voxel_mm", list(shape), f"at most {LARGEST_VOXELS:.0f} in all"
+            "the volume has too many voxels", "ct.phantom.voxel_mm", list(shape), f"at most {MOST_VOXELS:.0f} in all"
         )
     return np.round(low, 6), shape
 
@@ -55,7 +55,7 @@ def blur_matrix(count, voxel_mm, sigma_mm, factor):
     return csr_matrix((weight[keep], (rows[keep], inside[keep])), shape=(count, count * factor))
 
 
-def _stencil(poly, origin, spacing, shape):
+def _inside_mask(poly, origin, spacing, shape):
     """Whether each sample of a regular grid (shape) lies inside a closed surface: array of bool."""
     cut = vtk.vtkPolyDataToImageStencil()
     cut.SetInputData(poly)
@@ -71,31 +71,31 @@ def _stencil(poly, origin, spacing, shape):
     return vtk_to_numpy(to_image.GetOutput().GetPointData().GetScalars()).reshape(shape, order="F").astype(bool)
 
 
-def tissue_hu(depth_mm, plaque_mm, kind, settings):
+def tissue_hu(depth_mm, plaque_mm, plaque_type, settings):
     """HU at `depth_mm` behind the lumen's wall: plaque (calcium in its outer half), then healthy wall, then fat.
 
-    depth_mm, plaque_mm, kind: arrays of one shape.
+    depth_mm, plaque_mm, plaque_type: arrays of one shape.
     """
     hu = settings["hu"]
-    sheet = (kind == CALCIFIED) & (depth_mm > 0.5 * plaque_mm)
-    plaque = np.where(sheet, hu["calcium"], np.where(kind == LIPID, hu["lipid"], hu["fibrous"]))
+    calcified = (plaque_type == CALCIFIED) & (depth_mm > 0.5 * plaque_mm)
+    plaque = np.where(calcified, hu["calcium"], np.where(plaque_type == LIPID, hu["lipid"], hu["fibrous"]))
     outside = np.where(depth_mm < plaque_mm + settings["wall_thickness_mm"], hu["wall"], hu["fat"])
     return np.where(depth_mm < plaque_mm, plaque, outside).astype(np.float32)
 
 
 def render(vessel, settings, metal=None):
     """Noise-free Image (float HU) of the vessel; metal: (points (n, 3) mm, volumes (n,) mm3) of stent struts."""
-    origin, shape = grid(vessel, settings)
+    origin, shape = voxel_grid(vessel, settings)
     voxel, factor, fat = np.array(settings["voxel_mm"]), settings["supersampling"], settings["hu"]["fat"]
-    fine = voxel / factor
+    sample_mm = voxel / factor
     sigma = settings["psf_fwhm_mm"] * SIGMA_PER_FWHM
     blur = [blur_matrix(n, v, sigma, factor) for n, v in zip(shape, voxel)]
     pieces = [(vtp.surface(*piece), piece[0].min(axis=0), piece[0].max(axis=0)) for piece in vessel.pieces]
-    tree, reach = cKDTree(vessel.places_mm), vessel.plaque_mm.max() + settings["wall_thickness_mm"]
+    tree, reach = cKDTree(vessel.tissue_points_mm), vessel.plaque_mm.max() + settings["wall_thickness_mm"]
     planes = np.zeros((shape[0], shape[1], shape[2] * factor), np.float32)
-    for first in range(0, shape[2], SLAB):
-        layers = min(SLAB, shape[2] - first)
-        start, counts = _window(pieces, origin, voxel, shape, reach, first, layers)
+    for first in range(0, shape[2], SLAB_LAYERS):
+        layers = min(SLAB_LAYERS, shape[2] - first)
+        start, counts = _slab_window(pieces, origin, voxel, shape, reach, first, layers)
         if counts is None:
             continue
         corner = origin + (start - 0.5) * voxel
@@ -103,11 +103,11 @@ def render(vessel, settings, metal=None):
         top = corner + counts * voxel
         for poly, low, high in pieces:
             if np.all(high > corner) and np.all(low < top):
-                inside |= _stencil(poly, corner + 0.5 * fine, fine, counts * factor)
-        slab = _tissues(tree, vessel, settings, reach, corner, inside)
+                inside |= _inside_mask(poly, corner + 0.5 * sample_mm, sample_mm, counts * factor)
+        slab = _tissue_values(tree, vessel, settings, reach, corner, inside)
         slab[inside] = settings["hu"]["blood"] - fat
         if metal is not None:
-            _add_metal(slab, metal, settings, corner, fine)
+            _add_metal(slab, metal, settings, corner, sample_mm)
         along_x, along_y = (blur[k][:, factor * start[k] : factor * (start[k] + counts[k])] for k in (0, 1))
         flat = (along_x @ slab.reshape(len(slab), -1)).reshape(shape[0], counts[1] * factor, -1)
         flat = np.moveaxis(flat, 1, 0).reshape(counts[1] * factor, -1)
@@ -118,7 +118,7 @@ def render(vessel, settings, metal=None):
     return Image(values.astype(np.float32), origin, voxel)
 
 
-def _window(pieces, origin, voxel, shape, reach, first, layers):
+def _slab_window(pieces, origin, voxel, shape, reach, first, layers):
     """(first voxel (3,), number of voxels (3,)) of the part of a slab that the vessel and its wall can touch.
 
     (None, None) if they cannot touch the slab.
@@ -142,11 +142,11 @@ def _window(pieces, origin, voxel, shape, reach, first, layers):
     return begin, end - begin
 
 
-def _tissues(tree, vessel, settings, reach, corner, inside):
+def _tissue_values(tree, vessel, settings, reach, corner, inside):
     """HU minus that of fat, for plaque and wall at each sample of a slab. Samples inside the lumen are undefined.
 
-    inside: bool array of the slab's samples; the result has its shape. tree: cKDTree of vessel.places_mm. reach: depth
-    in mm of plaque and wall. corner (3,): lower corner of the slab in mm.
+    inside: bool array of the slab's samples; the result has its shape. tree: cKDTree of vessel.tissue_points_mm. reach:
+    depth in mm of plaque and wall. corner (3,): lower corner of the slab in mm.
     """
     counts = np.array(inside.shape) // settings["supersampling"]
     factor, voxel = settings["supersampling"], np.array(settings["voxel_mm"])
@@ -163,26 +163,26 @@ def _tissues(tree, vessel, settings, reach, corner, inside):
     steps = (np.stack(np.meshgrid(*[np.arange(samples)] * 3, indexing="ij"), axis=-1).reshape(-1, 3) + 0.5) / samples
     offsets = (steps - 0.5) * voxel
     distance, index = tree.query((centres[near][:, None] + offsets[None]).reshape(-1, 3))
-    hu = tissue_hu(distance, vessel.plaque_mm[index], vessel.kind[index], settings) - settings["hu"]["fat"]
+    hu = tissue_hu(distance, vessel.plaque_mm[index], vessel.plaque_type[index], settings) - settings["hu"]["fat"]
     hu = hu.reshape((len(near),) + (samples,) * 3)
     # Each fine sample takes the value of the coarser tissue sample that it lies in.
-    of = np.minimum(np.arange(factor) * samples // factor, samples - 1)
+    tissue_sample = np.minimum(np.arange(factor) * samples // factor, samples - 1)
     blocks = values.reshape(counts[0], factor, counts[1], factor, counts[2], factor)
     i, j, k = np.unravel_index(near, counts)
-    blocks.transpose(0, 2, 4, 1, 3, 5)[i, j, k] = hu[:, of][:, :, of][:, :, :, of]
+    blocks.transpose(0, 2, 4, 1, 3, 5)[i, j, k] = hu[:, tissue_sample][:, :, tissue_sample][:, :, :, tissue_sample]
     return values
 
 
-def _add_metal(slab, metal, settings, corner, fine):
+def _add_metal(slab, metal, settings, corner, sample_mm):
     """Mixes the CT number of metal into each sample of `slab`, by the share of its volume that struts fill.
 
-    metal: as for `render`. corner (3,), fine (3,): lower corner of the slab and edges of a sample, in mm.
+    metal: as for `render`. corner (3,), sample_mm (3,): lower corner of the slab and edges of a sample, in mm.
     """
     points, volumes = metal
-    at = np.floor((points - corner) / fine).astype(int)
-    keep = np.all((at >= 0) & (at < slab.shape), axis=1)
-    cells, inverse = np.unique(at[keep], axis=0, return_inverse=True)
-    share = np.bincount(inverse.ravel(), volumes[keep]) / np.prod(fine)
+    indices = np.floor((points - corner) / sample_mm).astype(int)
+    keep = np.all((indices >= 0) & (indices < slab.shape), axis=1)
+    cells, inverse = np.unique(indices[keep], axis=0, return_inverse=True)
+    share = np.bincount(inverse.ravel(), volumes[keep]) / np.prod(sample_mm)
     i, j, k = cells.T
     slab[i, j, k] += share * (settings["hu"]["metal"] - settings["hu"]["fat"] - slab[i, j, k])
 

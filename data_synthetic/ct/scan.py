@@ -25,19 +25,19 @@ def run(lumen_path, out, settings_path=None, struts_path=None, scene_path=None, 
     """
     settings = config.load_section(settings_path, "ct")["phantom"]
     poly = vtp.read_triangles(lumen_path, "run the anatomy step first")
-    found = vessel.from_surface(poly, lumen_path)
+    scanned = vessel.from_surface(poly, lumen_path)
     metal, source = None, "none"
     if struts_path:
-        centres, lengths = struts.from_file(struts_path)
+        centres, lengths = struts.read_struts(struts_path)
         metal, source = (centres, lengths * settings["strut_thickness_mm"] ** 2), "lines of a file"
     elif scene_path:
         if not centreline_path:
             raise InputError("stents need the lumen's centreline", "--centreline", "missing", "give centreline.vtp")
         scene = load_scene(scene_path)
         lines = vtp.read_named_lines(centreline_path, "the anatomy's centreline.vtp")
-        metal = struts.of_scene(scene, poly, lines, scene_path)
+        metal = struts.struts_of_scene(scene, poly, lines, scene_path)
         source = "rings laid on the wall" if metal else "none"
-    volume = phantom.add_noise(phantom.render(found, settings, metal), settings)
+    volume = phantom.add_noise(phantom.render(scanned, settings, metal), settings)
     document = sidecar(volume, settings, pathlib.Path(lumen_path), source)
     text = f"CT angiogram, synthetic; PSF {settings['psf_fwhm_mm']} mm, noise {settings['noise_hu']} HU"
     image.write(volume, pathlib.Path(out) / "ct.nii.gz", text)

@@ -10,12 +10,12 @@ from common.implicit.curves import Curve
 
 
 RING_PITCH_MM = 1.3  # distance between the rings of a stent
-WAVE_MM = 0.45  # half the height of a ring's wave
-STEP_MM = 0.02  # length of a piece of a strut
+WAVE_AMPLITUDE_MM = 0.45  # half the height of a ring's wave
+PIECE_LENGTH_MM = 0.02  # length of a piece of a strut
 OVERHANG_MM = 0.5  # a stent may reach beyond the vessel's end by this, since straightening may shorten the vessel
 
 
-def laid_on(poly, axis_points_mm, start_s_mm, end_s_mm, crowns, links, thickness_mm):
+def struts_on_wall(poly, axis_points_mm, start_s_mm, end_s_mm, crowns, links, thickness_mm):
     """Centre lines (n, 3) mm and lengths (n,) mm of strut pieces of a stent against the wall of a lumen.
 
     The stent goes from start_s_mm to end_s_mm along the axis (m, 3). It has a ring of `crowns` waves about every
@@ -26,59 +26,59 @@ def laid_on(poly, axis_points_mm, start_s_mm, end_s_mm, crowns, links, thickness
     tree = vtk.vtkOBBTree()
     tree.SetDataSet(poly)
     tree.BuildLocator()
-    count = max(int(round((end_s_mm - start_s_mm - 2 * WAVE_MM) / RING_PITCH_MM)), 1) + 1
-    rings = np.linspace(start_s_mm + WAVE_MM, end_s_mm - WAVE_MM, count)
+    count = max(int(round((end_s_mm - start_s_mm - 2 * WAVE_AMPLITUDE_MM) / RING_PITCH_MM)), 1) + 1
+    rings = np.linspace(start_s_mm + WAVE_AMPLITUDE_MM, end_s_mm - WAVE_AMPLITUDE_MM, count)
     paths = []
     for number, s in enumerate(rings):
         theta = np.linspace(0, 2 * np.pi, 40 * crowns + 1)
-        paths.append((s + WAVE_MM * np.sin(crowns * theta), theta))
+        paths.append((s + WAVE_AMPLITUDE_MM * np.sin(crowns * theta), theta))
         if number + 1 < count:
             for link in range(links):
                 # A link goes at a constant angle, from a crest or trough of this ring's wave to that of the next ring.
-                at = 2 * np.pi * (np.floor(link * crowns / links) + 0.25 + 0.5 * (number % 2)) / crowns
-                height = WAVE_MM * np.sin(crowns * at)
-                paths.append((np.linspace(s, rings[number + 1], 40) + height, np.full(40, at)))
-    lines = [_on_wall(tree, axis, s, theta, thickness_mm) for s, theta in paths]
-    return _pieces(lines)
+                angle = 2 * np.pi * (np.floor(link * crowns / links) + 0.25 + 0.5 * (number % 2)) / crowns
+                height = WAVE_AMPLITUDE_MM * np.sin(crowns * angle)
+                paths.append((np.linspace(s, rings[number + 1], 40) + height, np.full(40, angle)))
+    lines = [_project_to_wall(tree, axis, s, theta, thickness_mm) for s, theta in paths]
+    return _split_into_pieces(lines)
 
 
-def _on_wall(tree, axis, s_mm, theta, thickness_mm):
+def _project_to_wall(tree, axis, s_mm, theta, thickness_mm):
     _, normal, binormal = axis.frame(s_mm)
     rays = np.cos(theta)[:, None] * normal + np.sin(theta)[:, None] * binormal
-    centres, hits, found = axis.point(s_mm), vtk.vtkPoints(), []
+    centres, hits, distances = axis.point(s_mm), vtk.vtkPoints(), []
     for centre, ray in zip(centres, rays):
         tree.IntersectWithLine(centre, centre + 6 * ray, hits, None)
-        reach = np.linalg.norm(np.array(hits.GetPoint(0)) - centre) if hits.GetNumberOfPoints() else np.nan
-        found.append(reach)
-    radius = np.array(found)
+        distance = np.linalg.norm(np.array(hits.GetPoint(0)) - centre) if hits.GetNumberOfPoints() else np.nan
+        distances.append(distance)
+    radius = np.array(distances)
     # A strut bridges an ostium instead of following the wall into the side branch.
-    usual = np.nanmedian(radius)
-    radius = np.where(np.isnan(radius) | (radius > 1.35 * usual), usual, radius) - 0.5 * thickness_mm
+    median_radius = np.nanmedian(radius)
+    radius = np.where(np.isnan(radius) | (radius > 1.35 * median_radius), median_radius, radius) - 0.5 * thickness_mm
     return centres + radius[:, None] * rays
 
 
-def _pieces(lines):
+def _split_into_pieces(lines):
     places, lengths = [], []
     for line in lines:
         along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
-        count = max(int(np.ceil(along[-1] / STEP_MM)), 1)
+        count = max(int(np.ceil(along[-1] / PIECE_LENGTH_MM)), 1)
         middle = (np.arange(count) + 0.5) * along[-1] / count
         places.append(PchipInterpolator(along, line)(middle))
         lengths.append(np.full(count, along[-1] / count))
     return np.concatenate(places), np.concatenate(lengths)
 
 
-def from_file(path):
+def read_struts(path):
     """Strut pieces of a vtp file of lines: centres (n, 3) mm and lengths (n,) mm. Raises InputError."""
     poly = vtp.read(path, "give the struts of a deployed stent")
     points, lines = vtp.points(poly), vtp.lines(poly)
     if not lines:
         raise InputError("no struts in the file", path, "no lines", "give a file of lines, <stent>_struts.vtp")
     runs = [points[line] for line in lines]
-    return _pieces([run for run in runs if np.ptp(run, axis=0).max() > 0])
+    return _split_into_pieces([run for run in runs if np.ptp(run, axis=0).max() > 0])
 
 
-def of_scene(scene, poly, centreline, where):
+def struts_of_scene(scene, poly, centreline, where):
     """Strut pieces of every stent that the scene's procedure places, laid on the wall; None without a stent.
 
     Gives centres (n, 3) mm and volumes (n,) mm3 of square struts, as thick as the stent's. centreline: {branch name:
@@ -105,7 +105,7 @@ def of_scene(scene, poly, centreline, where):
                 inside = f"between {half:.1f} and {length - half:.1f} mm"
                 raise InputError("stent beyond the vessel", f"{key}.centre_s_mm", s, inside)
             size = device["strut_thickness_mm"]
-            places, lengths = laid_on(poly, axis, s - half, s + half, device["crowns"], device["links"], size)
+            places, lengths = struts_on_wall(poly, axis, s - half, s + half, device["crowns"], device["links"], size)
             found.append((places, lengths * size**2))
     if not found:
         return None

@@ -46,11 +46,11 @@ COLUMNS = [
 ]
 
 
-class Subject:
+class KnownLumen:
     """A lumen of known shape, with or without a stent.
 
-    branches: of the tree; surface: (points, triangles); vessel: its Vessel; places: sections to compare (evaluate).
-    metal: (points mm, volumes mm3) of the struts, or None; extents: {branch: (start, end)} mm to compare, or None.
+    branches: of the tree; surface: (points, triangles); vessel: its Vessel; sections: to compare (evaluate). metal:
+    (points mm, volumes mm3) of the struts, or None; compared_spans: {branch: (start, end)} mm to compare, or None.
     """
 
     def __init__(self, case, where, strut_mm):
@@ -62,26 +62,26 @@ class Subject:
             description["lesions"] = []
         self.branches = tree.grow(description, where)
         lumen = field.LumenField(self.branches)
-        points, triangles, _ = surface.build(lumen, generate.SPACING_MM)
+        points, triangles, _ = surface.build(lumen, generate.GRID_SPACING_MM)
         self.surface, poly = (points, triangles), vtp.surface(points, triangles)
         thickness, kind = generate.plaque_at(self.branches, points)
         self.vessel = vessel.from_surface(poly, where)
-        wall = self.vessel.wall_points
-        self.vessel.plaque_mm[: len(wall)], self.vessel.kind[: len(wall)] = thickness[wall], kind[wall]
-        self.places = evaluate.sections(self.branches)
-        self.metal, self.extents = None, None
+        wall = self.vessel.lumen_wall_indices
+        self.vessel.plaque_mm[: len(wall)], self.vessel.plaque_type[: len(wall)] = thickness[wall], kind[wall]
+        self.sections = evaluate.comparison_sections(self.branches)
+        self.metal, self.compared_spans = None, None
         if strut_mm:
             main = self.branches[0]
             centre = lesions[0]["centre_s_mm"]
             low = max(centre - 0.5 * STENT_LENGTH_MM, 2.0)
             high = min(centre + 0.5 * STENT_LENGTH_MM, main.axis.length_mm - 2.0)
-            places, lengths = struts.laid_on(poly, main.axis.points_mm, low, high, CROWNS, LINKS, strut_mm)
+            places, lengths = struts.struts_on_wall(poly, main.axis.points_mm, low, high, CROWNS, LINKS, strut_mm)
             self.metal = places, lengths * strut_mm**2
-            self.extents = {"main": (low + 1.0, high - 1.0)}
+            self.compared_spans = {"main": (low + 1.0, high - 1.0)}
 
-    def ends(self):
+    def end_points(self):
         """End points as a user would click them: [(name, centre)]."""
-        return [(name, centre) for name, centre, _, _ in field.ends(self.branches)]
+        return [(name, centre) for name, centre, _, _ in field.open_ends(self.branches)]
 
 
 def run(cases, voxels_mm, seeds, out, methods=METHODS, settings_path=None):
@@ -102,13 +102,13 @@ def run(cases, voxels_mm, seeds, out, methods=METHODS, settings_path=None):
     thickness, rows = settings["phantom"]["strut_thickness_mm"], []
     for name, case, where in loaded:
         for state in ("unstented", "stented") if case["vessel"]["lesions"] else ("unstented",):
-            subject = Subject(case, where, thickness if state == "stented" else None)
+            subject = KnownLumen(case, where, thickness if state == "stented" else None)
             for voxel in voxels_mm:
                 scanner = dict(settings["phantom"], voxel_mm=[voxel] * 3)
-                clean = phantom.render(subject.vessel, scanner, subject.metal)
+                noise_free = phantom.render(subject.vessel, scanner, subject.metal)
                 for seed in range(1, seeds + 1):
                     labels = (name, state, voxel, seed)
-                    rows += _rows(subject, clean, dict(scanner, seed=seed), settings, methods, labels)
+                    rows += _method_rows(subject, noise_free, dict(scanner, seed=seed), settings, methods, labels)
     with replacing(out) as partial:
         with open(partial, "w", newline="") as handle:
             writer = csv.DictWriter(handle, COLUMNS, lineterminator="\n")
@@ -117,25 +117,25 @@ def run(cases, voxels_mm, seeds, out, methods=METHODS, settings_path=None):
     return rows
 
 
-def _rows(subject, clean, scanner, settings, methods, labels):
+def _method_rows(subject, noise_free, scanner, settings, methods, labels):
     rows = []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        image.write(phantom.add_noise(clean, scanner), folder / "ct.nii", "CT angiogram, synthetic")
-        ends = [{"name": name, "centre_mm": centre.tolist()} for name, centre in subject.ends()]
+        image.write(phantom.add_noise(noise_free, scanner), folder / "ct.nii", "CT angiogram, synthetic")
+        ends = [{"name": name, "centre_mm": centre.tolist()} for name, centre in subject.end_points()]
         write_json(folder / "ends.json", {"ends": ends})
         for method in methods:
             row = dict(zip(COLUMNS, (*labels, method)), status="ok")
-            began = time.monotonic()
+            start = time.monotonic()
             segmentation = dict(settings["segmentation"], method=method)
             write_json(folder / "settings.json", dict(settings, segmentation=segmentation))
-            row.update(_found(folder, subject))
+            row.update(_segmentation_row(folder, subject))
             rows.append(row)
-            print(f"{' '.join(map(str, labels))} {method}: {time.monotonic() - began:.1f} s", file=sys.stderr)
+            print(f"{' '.join(map(str, labels))} {method}: {time.monotonic() - start:.1f} s", file=sys.stderr)
     return rows
 
 
-def _found(folder, subject):
+def _segmentation_row(folder, subject):
     """The table's columns from `status` or `sections` on, for one segmentation by the command `anatomy ct`.
 
     folder: holds the volume, its end points and the settings. Raises ComputationError if the command fails for a reason
@@ -144,15 +144,17 @@ def _found(folder, subject):
     command = [sys.executable, "-m", "anatomy", "ct", folder / "ct.nii", "--ends", folder / "ends.json"]
     command += ["--settings", folder / "settings.json", "--out", folder / "found"]
     command += ["--stented"] if subject.metal else []
-    done = subprocess.run(list(map(str, command)), cwd=ROOT, capture_output=True, text=True)
-    errors = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
-    if done.returncode == ComputationError.exit_code and errors:
+    process = subprocess.run(list(map(str, command)), cwd=ROOT, capture_output=True, text=True)
+    errors = [line for line in process.stderr.splitlines() if line.startswith("error: ")]
+    if process.returncode == ComputationError.exit_code and errors:
         return {"status": errors[0].removeprefix("error: ")}
-    if done.returncode != 0:
-        raise ComputationError("the segmentation failed", " ".join(map(str, command)), done.stderr[-2000:], "see above")
+    if process.returncode != 0:
+        raise ComputationError(
+            "the segmentation failed", " ".join(map(str, command)), process.stderr[-2000:], "see above"
+        )
     document = json.loads((folder / "found" / "segmentation.json").read_text())
-    found = vtp.arrays(vtp.read_triangles(folder / "found" / "lumen.vtp", ""))
-    result = evaluate.compare(subject.surface, found, subject.places, subject.extents)
+    found = vtp.points_and_triangles(vtp.read_triangles(folder / "found" / "lumen.vtp", ""))
+    result = evaluate.compare_areas(subject.surface, found, subject.sections, subject.compared_spans)
     return {
         **{key: round(value, 4) for key, value in result.items()},
         "point_spread_fwhm_mm": round(document["point_spread_fwhm_mm"], 4),

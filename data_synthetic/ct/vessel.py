@@ -12,43 +12,43 @@ from common.errors import InputError
 
 
 EXTENSION_MM = 4.0  # of the vessel beyond the surface's ends: farther than any blur reaches, so that no end is visible
-COPLANAR = np.cos(np.radians(1.0))  # cosine of the largest angle between neighbouring triangles of a flat end
+COPLANAR_COSINE = np.cos(np.radians(1.0))  # cosine of the largest angle between neighbouring triangles of a flat end
 
 
 @dataclass
 class Vessel:
     """A vessel to be scanned. pieces: closed surfaces (points (n, 3) mm, triangles (m, 3)).
 
-    The first piece is the lumen; one prism for each end follows. places_mm (k, 3): points on the walls of all pieces.
-    plaque_mm (k,), kind (k,): thickness and type (common.plaque_types) of the plaque behind each.
+    The first piece is the lumen; one prism for each end follows. tissue_points_mm (k, 3): points on the walls of all
+    pieces. plaque_mm (k,), plaque_type (k,): thickness and type (common.plaque_types) of the plaque behind each.
     """
 
     pieces: list
-    places_mm: np.ndarray
+    tissue_points_mm: np.ndarray
     plaque_mm: np.ndarray
-    kind: np.ndarray
-    wall_points: np.ndarray  # indices of the lumen's wall points; places_mm begins with these points
+    plaque_type: np.ndarray
+    lumen_wall_indices: np.ndarray  # indices of the lumen's wall points; tissue_points_mm begins with these points
 
 
 def from_surface(poly, where):
     """Vessel of a closed lumen (vtkPolyData of triangles). Raises InputError if it is open or has no flat ends."""
-    points, triangles = vtp.arrays(poly)
+    points, triangles = vtp.points_and_triangles(poly)
     if not np.isfinite(points).all():
         raise InputError("a point of the surface is not finite", where, "nan or infinite", "export it again")
     _check_closed(triangles, where)
     a, b, c = points[triangles].transpose(1, 0, 2) - points.mean(axis=0)
     if np.sum(a * np.cross(b, c)) < 0:
         triangles = triangles[:, ::-1]  # inside out: its ends would be extended inwards
-    cap_of = _caps(poly, points, triangles)
+    cap_of = _cap_numbers(poly, points, triangles)
     if cap_of.max() < 1:
         raise InputError(
             "the surface has fewer than two flat ends", where, cap_of.max() + 1, "give a capped lumen, in mm"
         )
-    thickness, kind = _plaque(poly, points, triangles)
+    thickness, kind = _plaque_behind_points(poly, points, triangles)
     wall = np.unique(triangles[cap_of < 0])
     pieces, places, plaques, kinds = [(points, triangles)], [points[wall]], [thickness[wall]], [kind[wall]]
     for number in range(cap_of.max() + 1):
-        prism, rim, normal = _prism(points, triangles[cap_of == number])
+        prism, rim, normal = _extend_cap(points, triangles[cap_of == number])
         pieces.append(prism)
         for height in np.arange(0.25, EXTENSION_MM + 2.0, 0.25):
             places.append(points[rim] + height * normal)
@@ -70,7 +70,7 @@ def _area_vectors(points, triangles):
     return 0.5 * np.cross(b - a, c - a)
 
 
-def _caps(poly, points, triangles):
+def _cap_numbers(poly, points, triangles):
     """Number (m,) of the flat end to which each triangle belongs, -1 on the wall.
 
     Taken from the array `region_id` if the surface has it. Otherwise flat discs are taken for ends.
@@ -85,7 +85,7 @@ def _caps(poly, points, triangles):
     order = np.lexsort(edges.T)
     owner = np.tile(np.arange(len(triangles)), 3)[order]
     i, j = owner[::2], owner[1::2]
-    flat = np.sum(normals[i] * normals[j], axis=1) > COPLANAR
+    flat = np.sum(normals[i] * normals[j], axis=1) > COPLANAR_COSINE
     graph = coo_matrix((np.ones(flat.sum()), (i[flat], j[flat])), shape=(len(triangles),) * 2)
     _, label = connected_components(graph, directed=False)
     total = np.stack([np.bincount(label, vectors[:, k]) for k in range(3)], axis=1)
@@ -105,7 +105,7 @@ def _caps(poly, points, triangles):
     return result
 
 
-def _plaque(poly, points, triangles):
+def _plaque_behind_points(poly, points, triangles):
     """(thickness in mm (n,), type (n,)) of the plaque behind each point of a lumen.
 
     If the lumen was widened by a procedure, the plaque is thinner than before, since its area in a section is kept:
@@ -129,7 +129,7 @@ def _plaque(poly, points, triangles):
     return thickness, kind
 
 
-def _prism(points, cap):
+def _extend_cap(points, cap):
     """((points, triangles) of the prism made by extending a cap along its normal, indices of its rim, normal (3,))."""
     normal = _area_vectors(points, cap).sum(axis=0)
     normal /= np.linalg.norm(normal)

@@ -20,7 +20,7 @@ from flow.geometry import tet10
 logging.getLogger("FFC").setLevel(logging.WARNING)
 logging.getLogger("root").setLevel(logging.WARNING)
 
-FLAGS = ("-O3", "-march=native", "-fno-math-errno")  # of the C compiler for forms
+COMPILER_FLAGS = ("-O3", "-march=native", "-fno-math-errno")  # of the C compiler for forms
 
 cell_dofs, degree, degrees = fenicsx.cell_dofs, fenicsx.degree_of, fenicsx.degrees
 function_space, mixed_element, petsc_vector = fenicsx.function_space, fenicsx.mixed, fenicsx.petsc_vector
@@ -65,17 +65,17 @@ def _model_of(path):
 
 def vector_element(mesh, degree):
     """Vector-valued Lagrange element of this degree, with as many components as the mesh has coordinates."""
-    return fenicsx.lagrange(fenicsx.cell_of(mesh), degree, mesh.geometry.dim)
+    return fenicsx.lagrange(fenicsx.cell_name(mesh), degree, mesh.geometry.dim)
 
 
 def scalar_element(mesh, degree):
     """Scalar Lagrange element of this degree."""
-    return fenicsx.lagrange(fenicsx.cell_of(mesh), degree)
+    return fenicsx.lagrange(fenicsx.cell_name(mesh), degree)
 
 
 def form(expression):
     """Compiled form of a UFL expression."""
-    return fenicsx.form(expression, FLAGS)
+    return fenicsx.form(expression, COMPILER_FLAGS)
 
 
 def block_matrix(compiled):
@@ -83,7 +83,7 @@ def block_matrix(compiled):
     return fenicsx.create_matrix(compiled, "baij")
 
 
-def csr(matrix):
+def to_csr(matrix):
     """scipy CSR matrix with the values of a PETSc matrix, which is assembled first and destroyed afterwards."""
     matrix.assemble()
     starts, columns, values = matrix.getValuesCSR()
@@ -92,17 +92,17 @@ def csr(matrix):
     return found
 
 
-def interpolation(coarse, fine):
+def interpolation_matrix(coarse, fine):
     """Sparse matrix (nodes of fine, nodes of coarse) that interpolates nodal values from one space to another.
 
     coarse, fine: spaces on the same mesh. Of vector spaces the matrix is for one component.
     """
     scalars = [function_space(space.mesh, scalar_element(space.mesh, degree(space))) for space in (fine, coarse)]
-    found = csr(fenicsx.interpolation_matrix(*scalars[::-1]))
-    number = [np.empty(found.shape[k], int) for k in range(2)]
-    for of, space, scalar in zip(number, (fine, coarse), scalars):
-        of[cell_dofs(space)] = cell_dofs(scalar)  # each space numbers its nodes in its own way
-    return found[number[0]][:, number[1]]
+    found = to_csr(fenicsx.interpolation_matrix(*scalars[::-1]))
+    numberings = [np.empty(found.shape[k], int) for k in range(2)]
+    for numbering, space, scalar in zip(numberings, (fine, coarse), scalars):
+        numbering[cell_dofs(space)] = cell_dofs(scalar)  # each space numbers its nodes in its own way
+    return found[numberings[0]][:, numberings[1]]
 
 
 def new_vector(space):
@@ -110,7 +110,7 @@ def new_vector(space):
     return la.create_petsc_vector(space.dofmap.index_map, space.dofmap.index_map_bs)
 
 
-def part(mixed, index, element):
+def subspace(mixed, index, element):
     """(space, dofs (n,)) of part number `index` of a mixed space: dofs[i] is the mixed space's dof of the part's dof i.
 
     element: that of the part. It does the same as dolfinx's collapse(), which in 0.5.2 takes forty times as long on

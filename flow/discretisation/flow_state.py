@@ -14,9 +14,9 @@ class FlowState:
     """
 
     @property
-    def artificial(self):
+    def artificial_viscosity(self):
         """Factor eps of the artificial viscosity at the present state."""
-        return float(self.forms.artificial.value)
+        return float(self.forms.artificial_viscosity.value)
 
     def move(self, base, base_inflow, update, inflow_update, factor):
         """Sets the flow to base (n,) over W plus factor times update, the change of the free dofs.
@@ -25,20 +25,20 @@ class FlowState:
         """
         self.inflow = base_inflow + factor * inflow_update
         values = base.copy()
-        values[self.space.free] += factor * update
-        values[self.space.inlet] = self.inflow * self.boundaries.profile.x.array[self.space.inlet]
+        values[self.space.free_dofs] += factor * update
+        values[self.space.inlet_dofs] = self.inflow * self.boundaries.profile.x.array[self.space.inlet_dofs]
         self.state.x.array[:] = values
 
-    def speed(self, update):
+    def velocity_norm(self, update):
         """Size of an update of the free dofs: the Euclidean norm of its nodal velocities in m/s, without pressures."""
         return float(np.linalg.norm(update[self.free_velocity]))
 
-    def restart(self):
+    def set_to_rest(self):
         """Sets the flow to rest."""
         self.state.x.array[:] = 0.0
         self.inflow = 0.0
 
-    def scale_to(self, ratio):
+    def scale_flow(self, ratio):
         """Multiplies velocities and inflow by `ratio`, and pressure losses (MAP minus pressure) by its square."""
         values, pressure = self.state.x.array, self.space.q_map
         loss = values[pressure] - self.boundaries.map_pa
@@ -57,16 +57,16 @@ class FlowState:
         """
         points, _ = self.space.nodes()
         velocity, pressure, _ = locate.FieldSampler(space, state)(points)
-        self.take(velocity, pressure, inflow)
+        self.set_flow(velocity, pressure, inflow)
 
-    def take(self, velocity, pressure, inflow):
+    def set_flow(self, velocity, pressure, inflow):
         """Sets the flow to velocity (n, 3) in m/s and pressure (n,) in Pa at the velocity nodes, and inflow in m3/s.
 
         Velocities on the wall are set to 0, those at the inlet to the profile of the inflow.
         """
         values = self.state.x.array
         values[self.space.v_map] = velocity.ravel()
-        values[self.space.wall] = 0.0
+        values[self.space.wall_dofs] = 0.0
         self.inflow = inflow
-        values[self.space.inlet] = inflow * self.boundaries.profile.x.array[self.space.inlet]
+        values[self.space.inlet_dofs] = inflow * self.boundaries.profile.x.array[self.space.inlet_dofs]
         values[self.space.q_map] = self.space.corner_values(pressure)

@@ -17,8 +17,8 @@ class NavierStokes:
     """Residual and tangents of a state w = (u, p) on a LumenSpace, in SI units, each compiled at its first use.
 
     state: Function on space.W; density in kg/m3; viscosity: of physics.viscosity; grad_div in Pa s; backflow: beta.
-    `artificial` is a constant with the value eps. Another space in two or three dimensions will do if it has W, mesh,
-    facets (tags) and outlets (their tags); for all but `residual` it also needs the parts V and Q of W.
+    `artificial_viscosity` is a constant with the value eps. Another space in two or three dimensions will do if it has
+    W, mesh, facet_tags and outlet_tags; for all but `residual` it also needs the parts V and Q of W.
     """
 
     def __init__(self, space, state, density, viscosity, grad_div, backflow):
@@ -27,40 +27,42 @@ class NavierStokes:
         v, q = ufl.TestFunctions(space.W)
         du, dp = ufl.TrialFunctions(space.W)
         mesh, degree = space.mesh, compat.degrees(space.W)[0]
-        exact = 3 * degree - 1  # polynomial degree of the convection term on straight elements, which most are
-        dx = ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": exact})
-        ds = ufl.Measure("ds", domain=mesh, subdomain_data=space.facets, metadata={"quadrature_degree": exact + 1})
-        coarser = ufl.dx(mesh, metadata={"quadrature_degree": 2 * degree - 1})
+        exact_degree = 3 * degree - 1  # polynomial degree of the convection term on straight elements, which most are
+        dx = ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": exact_degree})
+        ds = ufl.Measure(
+            "ds", domain=mesh, subdomain_data=space.facet_tags, metadata={"quadrature_degree": exact_degree + 1}
+        )
+        coarse_dx = ufl.dx(mesh, metadata={"quadrature_degree": 2 * degree - 1})
         width = (6.0 / 8.0) ** 0.5 * abs(ufl.JacobianDeterminant(mesh)) ** (1.0 / mesh.geometry.dim)
-        outlets, caps = ds(tuple(space.outlets)), ds((PHYSICAL_INLET, *space.outlets))
-        on = weak.Domain(dx, outlets, caps, ufl.FacetNormal(mesh), width)
+        outlets, caps = ds(tuple(space.outlet_tags)), ds((PHYSICAL_INLET, *space.outlet_tags))
+        domain = weak.Domain(dx, outlets, caps, ufl.FacetNormal(mesh), width)
         fluid = weak.Fluid(density, viscosity, grad_div, backflow)
-        self.artificial = fem.Constant(mesh, PETSc.ScalarType(0.0))
+        self.artificial_viscosity = fem.Constant(mesh, PETSc.ScalarType(0.0))
 
         def artificial(u_):
-            return weak.artificial(u, u_, v, self.artificial, fluid, on, coarser)
+            return weak.artificial_viscosity(u, u_, v, self.artificial_viscosity, fluid, domain, coarse_dx)
 
-        steady = weak.residual(u, p, v, q, fluid, on)
-        linear = weak.oseen(u, du, dp, v, q, fluid, on)
+        steady = weak.residual(u, p, v, q, fluid, domain)
+        linear = weak.oseen(u, du, dp, v, q, fluid, domain)
         self._residuals, self._picards = (steady, steady + artificial(u)), (linear, linear + artificial(du))
         self.losses = {
-            "friction": weak.friction(u, u, v, fluid, on),
-            "grad_div": weak.dilatation(u, v, fluid, on),
+            "friction": weak.friction(u, u, v, fluid, domain),
+            "grad_div": weak.dilatation(u, v, fluid, domain),
             "artificial": artificial(u),
-            "backflow": weak.backflow(u, u, v, fluid, on),
+            "backflow": weak.backflow(u, u, v, fluid, domain),
         }
         # flow of kinetic energy in W out of the lumen through the boundaries `tags`
-        self.kinetic = lambda tags: 0.5 * density * ufl.inner(u, u) * ufl.dot(u, on.n) * ds(tags)
+        self.kinetic_energy_flow = lambda tags: 0.5 * density * ufl.inner(u, u) * ufl.dot(u, domain.n) * ds(tags)
         self._mass = lambda du_, v_: density * ufl.inner(du_, v_) * dx
         self._dx, self._space, self._state, self._compiled = dx, space, state, {}
         self._arguments = ufl.TestFunction(space.W), ufl.TrialFunction(space.W)
 
-    def _once(self, name, build):
+    def _compiled_form(self, name, build):
         """The compiled form `name`, made by build(index) at its first use.
 
         index: 0 without, 1 with artificial viscosity, the place in _residuals and _picards.
         """
-        index = int(self.artificial.value > 0)
+        index = int(self.artificial_viscosity.value > 0)
         if (name, index) not in self._compiled:
             self._compiled[name, index] = build(index)
         return self._compiled[name, index]
@@ -68,16 +70,18 @@ class NavierStokes:
     @property
     def residual(self):
         """The compiled residual over W, without the pressure loads of inlet and outlets."""
-        return self._once("residual", lambda index: compat.form(self._residuals[index]))
+        return self._compiled_form("residual", lambda index: compat.form(self._residuals[index]))
 
-    def assembled(self, vector):
+    def assemble_residual(self, vector):
         """Writes the residual at the present state into the PETSc vector `vector`."""
         vector.set(0.0)
         fem_petsc.assemble_vector(vector, self.residual)
 
     def artificial_force(self):
         """The part of the residual (n,) over W by the artificial viscosity, at the present state."""
-        vector = fem_petsc.assemble_vector(self._once("artificial", lambda _: compat.form(self.losses["artificial"])))
+        vector = fem_petsc.assemble_vector(
+            self._compiled_form("artificial", lambda _: compat.form(self.losses["artificial"]))
+        )
         values = vector.array_r.copy()
         vector.destroy()
         return values
@@ -90,7 +94,7 @@ class NavierStokes:
     @property
     def tangent(self):
         """Velocity block of Newton's tangent, over V; the rest of the tangent is `divergence` and its transpose."""
-        return self._once("tangent", lambda index: compat.form(self._velocity_tangent(index)))
+        return self._compiled_form("tangent", lambda index: compat.form(self._velocity_tangent(index)))
 
     @property
     def picard(self):
@@ -99,38 +103,42 @@ class NavierStokes:
 
         def build(index):
             du, v = self._velocities()
-            return compat.form(ufl.replace(self._picards[index], {test: self._padded(v), trial: self._padded(du)}))
+            return compat.form(
+                ufl.replace(
+                    self._picards[index], {test: self._with_zero_pressure(v), trial: self._with_zero_pressure(du)}
+                )
+            )
 
-        return self._once("picard", build)
+        return self._compiled_form("picard", build)
 
     @property
     def divergence(self):
         """Rows of the tangent for the continuity equation: -(q, div du), q in Q, du in V. No state changes them."""
         du, q = ufl.TrialFunction(self._space.V), ufl.TestFunction(self._space.Q)
-        return self._once("divergence", lambda _: compat.form(-q * ufl.div(du) * self._dx))
+        return self._compiled_form("divergence", lambda _: compat.form(-q * ufl.div(du) * self._dx))
 
     @property
     def mass(self):
         """rho (du, v) over V; its matrix times du/dt is the inertia in a time-dependent flow."""
-        return self._once("mass", lambda _: compat.form(self._mass(*self._velocities())))
+        return self._compiled_form("mass", lambda _: compat.form(self._mass(*self._velocities())))
 
     def _velocities(self):
         """(trial function, test function) of the velocity over V."""
         return ufl.TrialFunction(self._space.V), ufl.TestFunction(self._space.V)
 
     @staticmethod
-    def _padded(velocity):
+    def _with_zero_pressure(velocity):
         """A velocity over V as a function over W, with pressure 0."""
         return ufl.as_vector([*velocity, 0.0])
 
     def _velocity_tangent(self, index):
-        """UFL derivative of the momentum residual by the velocity, over V; index: as in `_once`."""
+        """UFL derivative of the momentum residual by the velocity, over V; index: as in `_compiled_form`."""
         du, v = self._velocities()
-        momentum = ufl.replace(self._residuals[index], {self._arguments[0]: self._padded(v)})
-        return ufl.derivative(momentum, self._state, self._padded(du))
+        momentum = ufl.replace(self._residuals[index], {self._arguments[0]: self._with_zero_pressure(v)})
+        return ufl.derivative(momentum, self._state, self._with_zero_pressure(du))
 
 
-def of(space, state, document, settings):
+def from_document(space, state, document, settings):
     """NavierStokes with the fluid of boundary.json's document and the weights of the settings."""
-    fluid = document["density_kg_per_m3"], viscosities.of(document)
+    fluid = document["density_kg_per_m3"], viscosities.from_document(document)
     return NavierStokes(space, state, *fluid, settings.grad_div_pa_s, settings.backflow_coefficient)

@@ -13,11 +13,11 @@ from common.errors import InputError
 from flow.discretisation import compat
 from flow.geometry import tet10
 from flow.geometry.tags import PHYSICAL_INLET, PHYSICAL_OUTLET_BASE, PHYSICAL_WALL
-from flow.geometry.tet10 import LEAST_JACOBIAN_RATIO, overlapping
+from flow.geometry.tet10 import LEAST_JACOBIAN_RATIO, count_overlapping
 from flow.physics.units import M_PER_MM
 
 # An edge is straight if its middle node is nearer to the middle of its ends than this share of its length.
-STRAIGHT = 1e-6
+STRAIGHT_TOLERANCE = 1e-6
 
 
 class LumenSpace:
@@ -29,24 +29,26 @@ class LumenSpace:
     """
 
     def __init__(self, mesh, facets, where="mesh", degree=2):
-        self.mesh, self.facets, self.degree = mesh, facets, degree
+        self.mesh, self.facet_tags, self.degree = mesh, facets, degree
         present = set(np.unique(facets.values).tolist()) if facets is not None else set()
-        self.outlets = sorted(tag for tag in present if tag > PHYSICAL_OUTLET_BASE)
-        if not {PHYSICAL_WALL, PHYSICAL_INLET} <= present or not self.outlets:
+        self.outlet_tags = sorted(tag for tag in present if tag > PHYSICAL_OUTLET_BASE)
+        if not {PHYSICAL_WALL, PHYSICAL_INLET} <= present or not self.outlet_tags:
             raise InputError(
                 "mesh lacks physical groups", where, sorted(present), "wall 1, inlet 2 and outlets 12.. are needed"
             )
         self.ds = ufl.Measure("ds", domain=mesh, subdomain_data=facets)
         elements = compat.vector_element(mesh, degree), compat.scalar_element(mesh, degree - 1)
         self.W = compat.function_space(mesh, compat.mixed_element(*elements))
-        self.V, self.v_map = compat.part(self.W, 0, elements[0])
-        self.Q, self.q_map = compat.part(self.W, 1, elements[1])
-        self.wall = self._velocity_dofs(PHYSICAL_WALL)
-        self.inlet = np.setdiff1d(self._velocity_dofs(PHYSICAL_INLET), self.wall)
+        self.V, self.v_map = compat.subspace(self.W, 0, elements[0])
+        self.Q, self.q_map = compat.subspace(self.W, 1, elements[1])
+        self.wall_dofs = self._velocity_dofs(PHYSICAL_WALL)
+        self.inlet_dofs = np.setdiff1d(self._velocity_dofs(PHYSICAL_INLET), self.wall_dofs)
         size = self.W.dofmap.index_map.size_local * self.W.dofmap.index_map_bs
-        self.free = np.setdiff1d(np.arange(size), np.concatenate([self.wall, self.inlet])).astype(np.int32)
-        if self.free.size == 0 or self.inlet.size == 0:
-            raise InputError("inlet has no node inside its rim", where, len(self.inlet), "use a finer mesh")
+        self.free_dofs = np.setdiff1d(np.arange(size), np.concatenate([self.wall_dofs, self.inlet_dofs])).astype(
+            np.int32
+        )
+        if self.free_dofs.size == 0 or self.inlet_dofs.size == 0:
+            raise InputError("inlet has no node inside its rim", where, len(self.inlet_dofs), "use a finer mesh")
 
     @property
     def dofs(self):
@@ -55,7 +57,7 @@ class LumenSpace:
 
     def _velocity_dofs(self, tag):
         """Velocity dofs (n,) in W on the boundary with a physical tag."""
-        facets = self.facets.indices[self.facets.values == tag]
+        facets = self.facet_tags.indices[self.facet_tags.values == tag]
         return np.unique(fem.locate_dofs_topological(self.W.sub(0), 2, facets))
 
     def area(self, tag):
@@ -65,7 +67,7 @@ class LumenSpace:
 
     def centre(self, tag):
         """Mean (3,) in m of the velocity nodes on the boundary with a physical tag."""
-        facets = self.facets.indices[self.facets.values == tag]
+        facets = self.facet_tags.indices[self.facet_tags.values == tag]
         return self.V.tabulate_dof_coordinates()[fem.locate_dofs_topological(self.V, 2, facets)].mean(axis=0)
 
     def flux_vector(self, tag):
@@ -104,7 +106,7 @@ class LumenSpace:
 
     def wall_nodes(self):
         """Numbers of the velocity nodes on the wall."""
-        return np.flatnonzero(np.isin(self.v_map.reshape(-1, 3)[:, 0], self.wall))
+        return np.flatnonzero(np.isin(self.v_map.reshape(-1, 3)[:, 0], self.wall_dofs))
 
     def inlet_profile(self):
         """Function on W: velocity at the inlet for an inflow of 1 m3/s, with the fully developed profile of its shape.
@@ -119,7 +121,7 @@ class LumenSpace:
             return ufl.grad(f) - ufl.dot(ufl.grad(f), n) * n
 
         ds = self.ds(PHYSICAL_INLET)
-        facets = {t: self.facets.indices[self.facets.values == t] for t in (PHYSICAL_INLET, PHYSICAL_WALL)}
+        facets = {t: self.facet_tags.indices[self.facet_tags.values == t] for t in (PHYSICAL_INLET, PHYSICAL_WALL)}
         cap, wall = (fem.locate_dofs_topological(S, 2, facets[t]) for t in (PHYSICAL_INLET, PHYSICAL_WALL))
         everything = np.arange(S.dofmap.index_map.size_local, dtype=np.int32)
         fixed = np.setdiff1d(everything, np.setdiff1d(cap, wall)).astype(np.int32)
@@ -199,7 +201,7 @@ def _check_cells(space, path):
             x, y, z = points[cells[bad[0], :4]].mean(axis=0) / M_PER_MM
             where = f"{path}, the first of them around ({x:.3f}, {y:.3f}, {z:.3f}) mm"
             raise InputError(f"cells of the mesh are {what}", where, f"{len(bad)} of {len(cells)} cells", remedy)
-    folded = overlapping(cells[:, :4])
+    folded = count_overlapping(cells[:, :4])
     if folded:
         raise InputError("cells of the mesh overlap their neighbours", path, f"across {folded} faces", remedy)
 
@@ -213,6 +215,6 @@ def _check_curved(space, path):
     points, cells = space.nodes()
     start, end = (points[cells[:, tet10.EDGES[:, k]]] for k in (0, 1))
     off = np.linalg.norm(points[cells[:, 4:]] - 0.5 * (start + end), axis=2)
-    if not (off > STRAIGHT * np.linalg.norm(end - start, axis=2)).any():
+    if not (off > STRAIGHT_TOLERANCE * np.linalg.norm(end - start, axis=2)).any():
         remedy = "make it with `flow mesh`: quadratic tetrahedra, curved along the wall"
         raise InputError("the mesh's wall is made of plane facets", path, "no curved edge", remedy)

@@ -28,13 +28,13 @@ class FreeMatrix:
         fem_petsc.assemble_matrix(self.velocity, forms.mass)
         self.velocity.assemble()
         self.entries = self.velocity.convert("aij", PETSc.Mat())
-        self.given, self.found = self.velocity.createVecs()
-        self.divergence = compat.csr(fem_petsc.assemble_matrix(forms.divergence))  # B (dofs of Q, dofs of V)
+        self.input_vector, self.output_vector = self.velocity.createVecs()
+        self.divergence = compat.to_csr(fem_petsc.assemble_matrix(forms.divergence))  # B (dofs of Q, dofs of V)
         pattern = self._pattern()
-        self.places = pattern.data.astype(np.int64) - 1
-        self.fixed = np.flatnonzero(self.places < 0)  # places of B and of the zeros
-        values = np.append(self.divergence.data, 0.0)[-self.places[self.fixed] - 2]
-        self.fixed_values, self.places[self.fixed] = values, 0
+        self.sources = pattern.data.astype(np.int64) - 1
+        self.constant_places = np.flatnonzero(self.sources < 0)  # places of B and of the zeros
+        values = np.append(self.divergence.data, 0.0)[-self.sources[self.constant_places] - 2]
+        self.constant_values, self.sources[self.constant_places] = values, 0
         self.pattern = tuple(part.astype(PETSc.IntType) for part in (pattern.indptr, pattern.indices))
         given = *self.pattern, np.zeros(pattern.nnz)
         self.matrix = PETSc.Mat().createAIJ(pattern.shape, csr=given, comm=PETSc.COMM_SELF)
@@ -52,11 +52,11 @@ class FreeMatrix:
         # zeros between the pressures of one cell are in the pattern, for the ordering by MUMPS
         zero = scipy.sparse.csr_matrix((np.ones(len(pairs[0]), np.int32), pairs), 2 * (row.shape[0],))
         zero.data[:] = -1 - row.nnz
-        velocity, border = _numbered(self.entries), scipy.sparse.bmat([[None, row.T], [row, zero]], "csr")
+        velocity, border = _number_entries(self.entries), scipy.sparse.bmat([[None, row.T], [row, zero]], "csr")
         velocity.resize(border.shape)
         number = np.empty(space.dofs, np.int32)
         number[np.concatenate([space.v_map, space.q_map])] = np.arange(space.dofs)
-        free = number[space.free]
+        free = number[space.free_dofs]
         velocity, border = (part[free][:, free] for part in (velocity, border))
         for part in (velocity, border):
             part.sort_indices()
@@ -74,30 +74,30 @@ class FreeMatrix:
         if inertia:
             inertia.add_tangent(self.velocity)
         self.velocity.convert("aij", self.entries)
-        values = self.entries.getValuesCSR()[2][self.places]
-        values[self.fixed] = self.fixed_values
+        values = self.entries.getValuesCSR()[2][self.sources]
+        values[self.constant_places] = self.constant_values
         self.matrix.setValuesCSR(*self.pattern, values)
         self.matrix.assemble()
 
-    def times(self, values, transposed=False):
+    def multiply(self, values, transposed=False):
         """Product (n,) over W of the last matrix, or its transpose, with values (n,) whose pressures are 0.
 
         The matrix is taken between all dofs, not only the free ones.
         """
         space, found = self.space, np.zeros(len(values))
-        self.given.array[:] = values[space.v_map]
-        (self.velocity.multTranspose if transposed else self.velocity.mult)(self.given, self.found)
-        found[space.v_map] = self.found.array_r
+        self.input_vector.array[:] = values[space.v_map]
+        (self.velocity.multTranspose if transposed else self.velocity.mult)(self.input_vector, self.output_vector)
+        found[space.v_map] = self.output_vector.array_r
         found[space.q_map] = self.divergence @ values[space.v_map]
         return found
 
     def destroy(self):
         """Frees PETSc's memory."""
-        for petsc_object in (self.velocity, self.entries, self.matrix, self.given, self.found):
+        for petsc_object in (self.velocity, self.entries, self.matrix, self.input_vector, self.output_vector):
             petsc_object.destroy()
 
 
-def _numbered(matrix):
+def _number_entries(matrix):
     """CSR matrix with the pattern of a PETSc AIJ matrix, whose values number the entries from 1 on."""
     starts, columns, values = matrix.getValuesCSR()
     return scipy.sparse.csr_matrix((np.arange(1, len(values) + 1, dtype=np.int32), columns, starts), matrix.size)

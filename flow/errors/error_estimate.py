@@ -12,20 +12,20 @@ from flow.errors import error_field
 # sum was .5 to .8 of the true error. With a share of .5 the estimate was below the true error at Re 1,500, and for
 # lesions of 80 and 85 % on four rings.
 PART_UNCERTAINTY = 0.75
-SAFETY = 1.5  # factor on the effect of the artificial viscosity
+SAFETY_FACTOR = 1.5  # factor on the effect of the artificial viscosity
 # Assumed order of the FFR error in the mesh width. The true error changes its sign and does not fall steadily with the
 # number of rings (measured.md). So the difference of two meshes is no bound of the error; it shows how much FFR still
 # depends on the mesh.
-ORDER = 2.0
-LEAST_RATIO = 1.05  # of the mesh widths, coarse over fine; if they are closer, the two meshes are not compared
-HIDDEN = ("probes", "basis")  # keys of an estimate that are not written to ffr.json
+ASSUMED_ORDER = 2.0
+LEAST_WIDTH_RATIO = 1.05  # of the mesh widths, coarse over fine; if they are closer, the two meshes are not compared
+INTERNAL_KEYS = ("probes", "basis")  # keys of an estimate that are not written to ffr.json
 
 
 @dataclasses.dataclass
-class Basis:
+class EstimateBasis:
     """The flows and fields behind an estimate, from which errors.pointwise makes estimates at other places.
 
-    field: errors.error_field.Field, or None where it could not be solved for. pair: (fine, coarse, share), or None
+    field: errors.error_field.ErrorField, or None where it could not be solved for. pair: (fine, coarse, share), or None
     without a coarser mesh. fine and coarse are (sampler, outflows in m3/s); share times the difference of the two is
     the error by Richardson's extrapolation.
     """
@@ -34,86 +34,89 @@ class Basis:
     pair: object = None
 
 
-def of(solved, document, tree, at_probes, coarser=None):
-    """Error estimate of a Solved: {"ffr": at the probe `distal`, "probes": [at each probe], ...}, or None.
+def estimate_error(solved, document, tree, ffr_at_probes, coarser=None):
+    """Error estimate of a SolvedMesh: {"ffr": at the probe `distal`, "probes": [at each probe], ...}, or None.
 
-    solved, coarser: solvers.solved_mesh.Solved; document: of boundary.json; tree: without extensions;
+    solved, coarser: solvers.solved_mesh.SolvedMesh; document: of boundary.json; tree: without extensions;
     at_probes(sampler) -> FFR at the probes, `distal` first.
 
-    The error by the mesh is the larger of two entries. `goal` follows from the dual-weighted residual (`of_parts`),
-    `mesh` from Richardson's extrapolation with the flow `coarser` on a coarser mesh, if both have the same eps. SAFETY
-    times the effect of the artificial viscosity on FFR, `artificial_viscosity`, is added. All these entries are values
-    at `distal`. If the linear solves for `goal` fail, `mesh` alone is the estimate. The estimate is None if `mesh` is
-    missing too, or if an artificial viscosity is left.
+    The error by the mesh is the larger of two entries. `goal` follows from the dual-weighted residual
+    (`error_of_parts`), `mesh` from Richardson's extrapolation with the flow `coarser` on a coarser mesh, if both have
+    the same eps. SAFETY_FACTOR times the effect of the artificial viscosity on FFR, `artificial_viscosity`, is added.
+    All these entries are values at `distal`. If the linear solves for `goal` fail, `mesh` alone is the estimate. The
+    estimate is None if `mesh` is missing too, or if an artificial viscosity is left.
     """
     found, methods, parts, artificial = [], [], {}, None
-    if coarser and coarser.problem.artificial != solved.problem.artificial:
+    if coarser and coarser.problem.artificial_viscosity != solved.problem.artificial_viscosity:
         coarser = None  # another eps is another model: the two flows would not differ by the mesh alone
-    basis = Basis(None, _pair(solved, coarser))
+    basis = EstimateBasis(None, _richardson_pair(solved, coarser))
     try:
-        along, basis.field = error_field.of(solved, document, tree)
-        along, artificial = along[:, :-1], along[:, -1]
-        signed, sizes = along.sum(axis=1), np.abs(along).sum(axis=1)
-        found.append(of_parts(along))
+        parts_at_probes, basis.field = error_field.solve_error_field(solved, document, tree)
+        parts_at_probes, artificial = parts_at_probes[:, :-1], parts_at_probes[:, -1]
+        signed, sizes = parts_at_probes.sum(axis=1), np.abs(parts_at_probes).sum(axis=1)
+        found.append(error_of_parts(parts_at_probes))
         methods.append(f"dual-weighted residual, and {PART_UNCERTAINTY:g} times the sizes of its parts")
         parts |= {"goal": float(found[0][0]), "goal_signed": float(signed[0]), "goal_sizes": float(sizes[0])}
     except ComputationError as error:
         print(f"no dual solution for the error estimate:\n{error}", file=sys.stderr, flush=True)
-    richardson, compared = two_meshes(solved, coarser, at_probes) if coarser else (None, "")
+    richardson, richardson_method = richardson_estimate(solved, coarser, ffr_at_probes) if coarser else (None, "")
     if richardson is not None:
         found.append(richardson["mesh"])
-        methods.append(compared)
+        methods.append(richardson_method)
         parts.update({key: float(values[0]) for key, values in richardson.items()})
     if not found:
         return None
     total = np.max(found, axis=0)
-    if solved.problem.artificial > 0:
+    if solved.problem.artificial_viscosity > 0:
         if artificial is None:  # two meshes of the same eps do not show its effect
             return None
         parts["artificial_viscosity"] = float(artificial[0])
-        total = total + SAFETY * np.abs(artificial)
+        total = total + SAFETY_FACTOR * np.abs(artificial)
     method = ", ".join(methods)
-    own = {"probes": total.tolist(), "basis": basis}
-    return {"ffr": float(total[0]), **parts, **own, "method": method}
+    internal = {"probes": total.tolist(), "basis": basis}
+    return {"ffr": float(total[0]), **parts, **internal, "method": method}
 
 
-def of_parts(along):
-    """Estimated errors (p,) of FFR at p places from the parts along (p, k) of errors.error_field.
+def error_of_parts(parts):
+    """Estimated errors (p,) of FFR at p places from the parts (p, k) of errors.error_field.
 
     It is |sum of the parts| plus PART_UNCERTAINTY times the sum of |parts|, as each part may be wrong by that share.
     """
-    return np.abs(along.sum(axis=1)) + PART_UNCERTAINTY * np.abs(along).sum(axis=1)
+    return np.abs(parts.sum(axis=1)) + PART_UNCERTAINTY * np.abs(parts).sum(axis=1)
 
 
-def document(estimate):
+def shown_entries(estimate):
     """The entries of an estimate that ffr.json shows, which hold for the probe `distal`; None for None."""
-    return estimate and {key: value for key, value in estimate.items() if key not in HIDDEN}
+    return estimate and {key: value for key, value in estimate.items() if key not in INTERNAL_KEYS}
 
 
-def two_meshes(fine, coarse, at_probes):
-    """({"mesh", "ffr_coarse", "ffr_fine"}, method in words) from the flows `fine`, `coarse` (Solved) on two meshes.
+def richardson_estimate(fine, coarse, ffr_at_probes):
+    """({"mesh", "ffr_coarse", "ffr_fine"}, method in words) from the flows `fine`, `coarse` (SolvedMesh) on two meshes.
 
     The three values are arrays over the probes. `mesh` is Richardson's estimate |fine - coarse| / (r^2 - 1), where r^3
-    is the ratio of the numbers of cells. (None, "") if r is at most LEAST_RATIO.
+    is the ratio of the numbers of cells. (None, "") if r is at most LEAST_WIDTH_RATIO.
     """
-    ratio = _ratio(fine, coarse)
-    if ratio <= LEAST_RATIO:
+    ratio = _width_ratio(fine, coarse)
+    if ratio <= LEAST_WIDTH_RATIO:
         return None, ""
-    ffr_coarse, ffr_fine = (np.asarray(at_probes(item.sampler)) for item in (coarse, fine))
-    mesh = np.abs(ffr_fine - ffr_coarse) / (ratio**ORDER - 1)
-    words = f"two meshes, ratio of widths {ratio:.3f}, order {ORDER:g}"
+    ffr_coarse, ffr_fine = (np.asarray(ffr_at_probes(item.sampler)) for item in (coarse, fine))
+    mesh = np.abs(ffr_fine - ffr_coarse) / (ratio**ASSUMED_ORDER - 1)
+    words = f"two meshes, ratio of widths {ratio:.3f}, order {ASSUMED_ORDER:g}"
     return {"mesh": mesh, "ffr_coarse": ffr_coarse, "ffr_fine": ffr_fine}, words
 
 
-def _ratio(fine, coarse):
+def _width_ratio(fine, coarse):
     """Ratio of the cells' widths, coarse over fine: the cube root of the ratio of the numbers of cells."""
     cells = [len(item.space.nodes()[1]) for item in (coarse, fine)]
     return (cells[1] / cells[0]) ** (1 / 3)
 
 
-def _pair(fine, coarse):
-    """`pair` of a Basis from two Solved; None if `coarse` is None, or coarser by no more than LEAST_RATIO."""
-    ratio = _ratio(fine, coarse) if coarse else 0.0
-    if ratio <= LEAST_RATIO:
+def _richardson_pair(fine, coarse):
+    """`pair` of an EstimateBasis from two SolvedMesh.
+
+    None if `coarse` is None, or coarser by no more than LEAST_WIDTH_RATIO.
+    """
+    ratio = _width_ratio(fine, coarse) if coarse else 0.0
+    if ratio <= LEAST_WIDTH_RATIO:
         return None
-    return (fine.sampler, fine.outflows), (coarse.sampler, coarse.outflows), 1.0 / (ratio**ORDER - 1)
+    return (fine.sampler, fine.outflows), (coarse.sampler, coarse.outflows), 1.0 / (ratio**ASSUMED_ORDER - 1)

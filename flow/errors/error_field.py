@@ -29,64 +29,66 @@ from flow.geometry import tet10
 from flow.errors.recovery import Patches
 from flow.physics.units import M_PER_MM
 
-BATCH = 16  # number of loads that are solved for at a time
-WINDOW = 5.0  # radii round a point beyond which _means ignores the pressure: the Gaussian weight is exp(-25) there
+LOADS_AT_ONCE = 16  # number of loads that are solved for at a time
+# The means round a point ignore the pressure further than this many radii away: the Gaussian weight is exp(-25) there.
+WINDOW_RADII = 5.0
 
 
-class Field:
+class ErrorField:
     """The changes of a steady flow by k loads, as far as FFR depends on them.
 
-    pressure (q, k) in Pa at the pressure's dofs, which lie at `places` (q, 3) in m; outflows (o, k) in m3/s. The flow
-    itself has flow_pressure (q,) in Pa, flow_outflows (o,) in m3/s, and sampler (geometry.locate.FieldSampler).
+    pressure (q, k) in Pa at the pressure's dofs, which lie at `pressure_points` (q, 3) in m; outflows (o, k) in m3/s.
+    The flow itself has flow_pressure (q,) in Pa, flow_outflows (o,) in m3/s, and sampler
+    (geometry.locate.FieldSampler).
 
-    solved: solvers.solved_mesh.Solved; loads (n, k): sparse, over W.
+    solved: solvers.solved_mesh.SolvedMesh; loads (n, k): sparse, over W.
     """
 
     def __init__(self, solved, loads):
         problem, space = solved.problem, solved.space
         self.boundaries, self.sampler, self.flow_outflows = solved.boundaries, solved.sampler, solved.outflows
         self.flow_pressure = problem.state.x.array[space.q_map]
-        self.places, self.mass = space.Q.tabulate_dof_coordinates(), _mass(space)
+        self.pressure_points, self.mass = space.Q.tabulate_dof_coordinates(), _mass_matrix(space)
         pressure, outflows = [], []
-        for first in range(0, loads.shape[1], BATCH):
-            response = problem.responses(loads[:, first : first + BATCH].toarray())
+        for first in range(0, loads.shape[1], LOADS_AT_ONCE):
+            response = problem.responses(loads[:, first : first + LOADS_AT_ONCE].toarray())
             pressure.append(response[space.q_map])
-            outflows.append(np.stack([flux.array_r @ response for flux in self.boundaries.flux]))
+            outflows.append(np.stack([flux.array_r @ response for flux in self.boundaries.flux_vectors]))
         self.pressure, self.outflows = np.concatenate(pressure, axis=1), np.concatenate(outflows, axis=1)
 
-    def parts(self, document, tree, names, points_mm, radii_mm):
+    def ffr_changes(self, document, tree, names, points_mm, radii_mm):
         """Change (o + m, k) of FFR by each load, at the mesh's outlets `names` (o), then at points_mm (m, 3).
 
         At a point it is the change of a mean FFR, weighted over about the vessel's radius radii_mm (m,). Where the
         inflow is given, the pressure at the inlet's centre is the denominator of FFR, and its change counts too.
         document: of boundary.json; tree: without extensions.
         """
-        chosen = [self.boundaries.names.index(name) for name in names]
-        means = self._means(points_mm, radii_mm)
+        chosen = [self.boundaries.outlet_names.index(name) for name in names]
+        means = self._averaging_matrix(points_mm, radii_mm)
         of_outlets = self.boundaries.resistance[chosen, None] * self.outflows[chosen]
         found = np.concatenate([of_outlets, means @ self.pressure])
         if document.get("inlet_flow_m3_per_s") is None:
             return found / document["map_pa"]
-        at_inlet = self._means(tree.main.point(0.0)[None], np.array([tree.main.radius(0.0)]))
+        at_inlet = self._averaging_matrix(tree.main.point(0.0)[None], np.array([tree.main.radius(0.0)]))
         reference = (at_inlet @ self.flow_pressure)[0]
         values = np.append(self.boundaries.pressures(self.flow_outflows)[chosen], means @ self.flow_pressure)
         return (found - np.outer(values / reference, at_inlet @ self.pressure)) / reference
 
-    def _means(self, points_mm, radii_mm):
+    def _averaging_matrix(self, points_mm, radii_mm):
         """Sparse (m, q) matrix. Times a pressure (q,) it gives the mean pressures round points_mm (m, 3).
 
         The weight is exp(-(distance / radius)^2), with the radii radii_mm (m,).
         """
         points, radii = M_PER_MM * points_mm, M_PER_MM * radii_mm
-        near = cKDTree(self.places).query_ball_point(points, WINDOW * radii, return_sorted=True)
+        near = cKDTree(self.pressure_points).query_ball_point(points, WINDOW_RADII * radii, return_sorted=True)
         rows = np.repeat(np.arange(len(near)), [len(one) for one in near])
         columns = np.concatenate([*near, []]).astype(int)
-        gap = self.places[columns] - points[rows]
+        gap = self.pressure_points[columns] - points[rows]
         weights = np.exp(-np.sum(gap**2, axis=1) / radii[rows] ** 2)
-        means = scipy.sparse.csr_matrix((weights, (rows, columns)), (len(near), len(self.places))) @ self.mass
+        means = scipy.sparse.csr_matrix((weights, (rows, columns)), (len(near), len(self.pressure_points))) @ self.mass
         return scipy.sparse.diags(1.0 / np.asarray(means.sum(axis=1)).ravel()) @ means
 
-    def interpolation_pa(self, points_mm):
+    def interpolation_error_pa(self, points_mm):
         """Size (m,) in Pa of the interpolation error of the flow's pressure at points_mm (m, 3).
 
         The pressure is linear in each cell. The error is its difference from a quadratic pressure (errors.recovery).
@@ -99,30 +101,33 @@ class Field:
         return np.abs(np.einsum("mn,mn->m", tet10.basis(lam), smooth) - sampler(points)[1])
 
 
-def of(solved, document, tree):
-    """(parts (p, k + 1) of the error of FFR at the p probes, Field) of a solvers.solved_mesh.Solved.
+def solve_error_field(solved, document, tree):
+    """(parts (p, k + 1) of the error of FFR at the p probes, ErrorField) of a solvers.solved_mesh.SolvedMesh.
 
     The first k parts are the errors by the mesh in each stretch, the last is the effect of the artificial viscosity.
     document: of boundary.json; tree: without extensions. Raises ComputationError where a linear solve fails.
     """
     problem = solved.problem
-    loads = [sources(problem, document, tree), scipy.sparse.csc_matrix(-problem.forms.artificial_force()[:, None])]
-    field = Field(solved, scipy.sparse.hstack(loads, "csc"))
-    on = [tree.place_of(probe)[:2] for probe in document["probes"]]
+    loads = [
+        stretch_loads(problem, document, tree),
+        scipy.sparse.csc_matrix(-problem.forms.artificial_force()[:, None]),
+    ]
+    field = ErrorField(solved, scipy.sparse.hstack(loads, "csc"))
+    on = [tree.project_probe(probe)[:2] for probe in document["probes"]]
     points = np.array([branch.point(s_mm) for branch, s_mm in on])
-    return field.parts(document, tree, [], points, np.array([branch.radius(s_mm) for branch, s_mm in on])), field
+    return field.ffr_changes(document, tree, [], points, np.array([branch.radius(s_mm) for branch, s_mm in on])), field
 
 
-def sources(problem, document, tree):
+def stretch_loads(problem, document, tree):
     """Sparse matrix (n, k) over W: column k is G_k of stretch k. problem: solvers.nonlinear.FlowProblem."""
     space = problem.space
-    richer = spaces.LumenSpace(space.mesh, space.facets, degree=space.degree + 1)
-    vector = residual_of(problem, richer, document)
+    richer = spaces.LumenSpace(space.mesh, space.facet_tags, degree=space.degree + 1)
+    vector = richer_residual(problem, richer, document)
     residual = vector.array.copy()
     vector.destroy()
-    residual[richer.wall] = residual[richer.inlet] = 0.0
-    numbers = stretches(tree)
-    stretch, count = numbers[tree.nearest(places(richer) / M_PER_MM)[0]], numbers.max() + 1
+    residual[richer.wall_dofs] = residual[richer.inlet_dofs] = 0.0
+    numbers = stretch_numbers(tree)
+    stretch, count = numbers[tree.nearest(dof_points(richer) / M_PER_MM)[0]], numbers.max() + 1
     nodes, cells = space.nodes()
     corner = np.empty(len(space.q_map), int)
     corner[compat.cell_dofs(space.Q)] = cells[:, :4]
@@ -133,17 +138,17 @@ def sources(problem, document, tree):
         loads, group = residual[dofs].reshape(-1, width), stretch[dofs[::width]]
         given = rich.tabulate_dof_coordinates(), compat.cell_dofs(rich), group
         fields.append((compat.degree(rich), of_cells[k], loads, *given))
-        back = compat.interpolation(part, rich).T
+        transposed = compat.interpolation_matrix(part, rich).T
         for c in range(width):
             by_group = scipy.sparse.csr_matrix((loads[:, c], (np.arange(len(loads)), group)), (len(loads), count))
-            found -= _placed(back @ by_group, rows[c::width], space.dofs)
-    velocity, (pressure,) = Patches(nodes, cells).transposed(fields, count)
+            found -= _scatter_rows(transposed @ by_group, rows[c::width], space.dofs)
+    velocity, (pressure,) = Patches(nodes, cells).recover_transposed(fields, count)
     for rows, part in [*((space.v_map[c::3], velocity[c]) for c in range(3)), (space.q_map, pressure[corner])]:
-        found += _placed(part, rows, space.dofs)
+        found += _scatter_rows(part, rows, space.dofs)
     return found
 
 
-def stretches(tree):
+def stretch_numbers(tree):
     """Number of the stretch (n,) of each centreline point, in the numbering of Tree.nearest.
 
     A stretch is one local diameter long.
@@ -156,7 +161,7 @@ def stretches(tree):
     return np.concatenate(found)
 
 
-def places(space):
+def dof_points(space):
     """Points (n, 3) in m at which the dofs over W of a LumenSpace lie."""
     found = np.empty((space.dofs, 3))
     found[space.v_map] = np.repeat(space.V.tabulate_dof_coordinates(), 3, axis=0)
@@ -164,19 +169,19 @@ def places(space):
     return found
 
 
-def _placed(part, rows, size):
+def _scatter_rows(part, rows, size):
     """Sparse (size, k) matrix with row i of `part` (n, k) as its row number rows[i]; other rows are 0."""
     part = part.tocoo()
     return scipy.sparse.csc_matrix((part.data, (rows[part.row], part.col)), (size, part.shape[1]))
 
 
-def _mass(space):
+def _mass_matrix(space):
     """Sparse (q, q) mass matrix of the pressure space."""
     p, q = ufl.TrialFunction(space.Q), ufl.TestFunction(space.Q)
-    return compat.csr(fem_petsc.assemble_matrix(compat.form(p * q * ufl.dx)))
+    return compat.to_csr(fem_petsc.assemble_matrix(compat.form(p * q * ufl.dx)))
 
 
-def carried(space, richer, values):
+def interpolate_state(space, richer, values):
     """Values (n,) of a state over W of `space`, interpolated to W of the LumenSpace `richer` on the same mesh."""
     result = np.zeros(richer.dofs)
     for source, target, of_source, of_target in (
@@ -190,17 +195,17 @@ def carried(space, richer, values):
     return result
 
 
-def residual_of(problem, richer, document):
+def richer_residual(problem, richer, document):
     """Momentum and continuity residual of the present flow, a PETSc vector over W of the LumenSpace `richer`."""
     boundaries = problem.boundaries
     state = fem.Function(richer.W)
-    state.x.array[:] = carried(problem.space, richer, problem.state.x.array)
-    weak = forms.of(richer, state, document, problem.settings)
-    weak.artificial.value = problem.artificial
+    state.x.array[:] = interpolate_state(problem.space, richer, problem.state.x.array)
+    weak = forms.from_document(richer, state, document, problem.settings)
+    weak.artificial_viscosity.value = problem.artificial_viscosity
     found = compat.new_vector(richer.W)
-    weak.assembled(found)
+    weak.assemble_residual(found)
     outflows = boundaries.outflows(problem.state_vector())
-    for tag, pressure in zip(richer.outlets, boundaries.pressures(outflows)):
+    for tag, pressure in zip(richer.outlet_tags, boundaries.pressures(outflows)):
         flux = richer.flux_vector(tag)
         found.axpy(pressure, flux)
         flux.destroy()

@@ -14,11 +14,13 @@ import scipy.sparse
 # Exponents of the monomials in three coordinates, up to degree 3, and those up to degree 2 and 3.
 EXPONENTS = np.array([[i, j, k] for i in range(4) for j in range(4 - i) for k in range(4 - i - j)])
 TERMS = {degree: EXPONENTS[EXPONENTS.sum(axis=1) <= degree] for degree in (2, 3)}
-PLENTY = 1.5  # a patch with fewer nodes than this times the polynomial's terms is enlarged by the neighbouring cells
+LEAST_NODES_PER_TERM = (
+    1.5  # a patch with fewer nodes than this times the polynomial's terms is enlarged by the neighbouring cells
+)
 # Singular values of a fit below this share of the largest are dropped. In a swept mesh a patch may have too few layers
 # of nodes for a cubic. A singular value is then 0 but for rounding, 1e-7 to 1e-5. Its inverse would make spikes of 1e4.
-NEGLIGIBLE = 1e-3
-AT_ONCE = 1_000_000  # numbers in an array of patches that are fitted together; it limits the memory
+SINGULAR_VALUE_CUTOFF = 1e-3
+LARGEST_BATCH = 1_000_000  # numbers in an array of patches that are fitted together; it limits the memory
 
 
 class Patches:
@@ -32,86 +34,102 @@ class Patches:
     def recover(self, fields, wanted=None):
         """[recovered values (m, k) at the targets] of the given fields.
 
-        fields: [(degree, sources (t, a), values (n, k), targets (m, 3), of (t, b))]. degree: of the polynomials;
-        sources: numbers of the nodes in each cell at which `values` are known; targets: points; of: numbers of the
-        targets in each cell. wanted: numbers of cells. If given, only the values at their targets are right.
+        fields: [(degree, sources (t, a), values (n, k), targets (m, 3), cell_targets (t, b))]. degree: of the
+        polynomials; sources: numbers of the nodes in each cell at which `values` are known; targets: points;
+        cell_targets: numbers of the targets in each cell. wanted: numbers of cells. If given, only the values at their
+        targets are right.
         """
-        patches, found = self._own(wanted), []
-        for degree, sources, values, targets, of in fields:
+        patches, found = self._patches_touching(wanted), []
+        for degree, sources, values, targets, cell_targets in fields:
             width, entries, held = values.shape[1], [], 0
             sums, counts = np.zeros((len(targets), width)), np.zeros(len(targets))
-            for near, at in self._alike(patches, degree, sources, of, len(targets), width):
-                known, at_targets, inverse = _fitted(self.nodes[near], targets[at], TERMS[degree])
-                fitted = at_targets @ (inverse @ (known.transpose(0, 2, 1) @ values[near]))
-                entries.append((at.ravel(), fitted.reshape(-1, width)))
+            for patch_nodes, patch_targets in self._equal_patches(
+                patches, degree, sources, cell_targets, len(targets), width
+            ):
+                known, at_targets, inverse = _fit_patches(
+                    self.nodes[patch_nodes], targets[patch_targets], TERMS[degree]
+                )
+                fitted = at_targets @ (inverse @ (known.transpose(0, 2, 1) @ values[patch_nodes]))
+                entries.append((patch_targets.ravel(), fitted.reshape(-1, width)))
                 held += fitted.size
-                if held > AT_ONCE:
-                    _add(sums, counts, entries)
+                if held > LARGEST_BATCH:
+                    _add_entries(sums, counts, entries)
                     entries, held = [], 0
-            _add(sums, counts, entries)
+            _add_entries(sums, counts, entries)
             found.append(sums / np.maximum(counts, 1)[:, None])
         return found
 
-    def transposed(self, fields, groups):
+    def recover_transposed(self, fields, groups):
         """The transpose of `recover`, applied to loads at the targets, for each group of targets by itself.
 
-        fields: [(degree, sources (t, a), loads (m, c), targets (m, 3), of (t, b), group (m,))], as in `recover`; group:
-        number of each target's group, below `groups`. The result is for each field a list over c of sparse matrices
-        (n, groups). A column times nodal values (n,) is the sum, over the targets of that group, of load times
-        recovered value.
+        fields: [(degree, sources (t, a), loads (m, c), targets (m, 3), cell_targets (t, b), group (m,))], as in
+        `recover`; group: number of each target's group, below `groups`. The result is for each field a list over c of
+        sparse matrices (n, groups). A column times nodal values (n,) is the sum, over the targets of that group, of
+        load times recovered value.
         """
-        patches, found = self._own(), []
-        for degree, sources, loads, targets, of, group in fields:
+        patches, found = self._patches_touching(), []
+        for degree, sources, loads, targets, cell_targets, group in fields:
             components, entries = loads.shape[1], []
-            shared = loads / self._counts(of, len(loads))[:, None]
-            for near, at in self._alike(patches, degree, sources, of, len(targets), components):
-                known, at_targets, inverse = _fitted(self.nodes[near], targets[at], TERMS[degree])
+            shared = loads / self._patches_per_target(cell_targets, len(loads))[:, None]
+            for patch_nodes, patch_targets in self._equal_patches(
+                patches, degree, sources, cell_targets, len(targets), components
+            ):
+                known, at_targets, inverse = _fit_patches(
+                    self.nodes[patch_nodes], targets[patch_targets], TERMS[degree]
+                )
                 # one column for each pair of a patch and a group that has targets in it
-                number = (np.arange(len(at))[:, None] * groups + group[at]).ravel()
+                number = (np.arange(len(patch_targets))[:, None] * groups + group[patch_targets]).ravel()
                 order = np.argsort(number, kind="stable")
                 pairs, first = np.unique(number[order], return_index=True)
                 patch, of_group = pairs // groups, pairs % groups
-                weighted = (at_targets[..., None] * shared[at][:, :, None]).reshape(at.size, -1)
+                weighted = (at_targets[..., None] * shared[patch_targets][:, :, None]).reshape(patch_targets.size, -1)
                 moments = np.add.reduceat(weighted[order], first).reshape(len(pairs), -1, components)
-                entries.append((near[patch], of_group, known[patch] @ (inverse[patch] @ moments)))
+                entries.append((patch_nodes[patch], of_group, known[patch] @ (inverse[patch] @ moments)))
             found.append(self._matrices(entries, groups, components))
         return found
 
-    def _own(self, wanted=None):
+    def _patches_touching(self, wanted=None):
         """Sparse (patches, cells) matrix: which cells each patch has. wanted: only patches with a cell that touches
         one of these cells (numbers)."""
         patches = self.cells_at
         if wanted is not None:
-            beside = np.isin(self.corner, self.corner[wanted]).any(axis=1)
-            patches = patches[np.flatnonzero(patches @ beside.astype(np.int32))]
+            neighbours = np.isin(self.corner, self.corner[wanted]).any(axis=1)
+            patches = patches[np.flatnonzero(patches @ neighbours.astype(np.int32))]
         return patches
 
-    def _alike(self, patches, degree, sources, of, targets, components):
+    def _equal_patches(self, patches, degree, sources, cell_targets, targets, components):
         """Yields (nodes (p, n), targets (p, m)) of patches with equal numbers of source nodes and of targets.
 
-        patches: of `_own`; degree, sources, of: as in `recover`; targets: their number; components: numbers at each
-        target. A patch with too few nodes for the degree is enlarged by the neighbouring cells. AT_ONCE limits how many
-        patches are yielded at once.
+        patches: of `_patches_touching`; degree, sources, cell_targets: as in `recover`; targets: their number;
+        components: numbers at each target. A patch with too few nodes for the degree is enlarged by the neighbouring
+        cells. LARGEST_BATCH limits how many patches are yielded at once.
         """
         terms = len(TERMS[degree])
-        sources, at = _incidence(sources, len(self.nodes)), _ascending(patches @ _incidence(of, targets))
-        near = _ascending(patches @ sources)
-        few = np.diff(near.indptr) < PLENTY * terms
+        sources, patch_targets = _incidence(sources, len(self.nodes)), _sort_columns(
+            patches @ _incidence(cell_targets, targets)
+        )
+        patch_nodes = _sort_columns(patches @ sources)
+        few = np.diff(patch_nodes.indptr) < LEAST_NODES_PER_TERM * terms
         if few.any():
-            beside = patches[few] @ self.cells_at.T @ self.cells_at
-            near = scipy.sparse.vstack([near[~few], _ascending(beside @ sources)])
-            at = scipy.sparse.vstack([at[~few], at[few]])
-        sizes, kind = np.unique(np.stack([np.diff(near.indptr), np.diff(at.indptr)]), axis=1, return_inverse=True)
+            neighbours = patches[few] @ self.cells_at.T @ self.cells_at
+            patch_nodes = scipy.sparse.vstack([patch_nodes[~few], _sort_columns(neighbours @ sources)])
+            patch_targets = scipy.sparse.vstack([patch_targets[~few], patch_targets[few]])
+        sizes, kind = np.unique(
+            np.stack([np.diff(patch_nodes.indptr), np.diff(patch_targets.indptr)]), axis=1, return_inverse=True
+        )
         order, ends = np.argsort(kind, kind="stable"), np.cumsum(np.bincount(kind))
         for (nodes, count), same in zip(sizes.T, np.split(order, ends[:-1])):
-            step = max(1, AT_ONCE // (terms * max(nodes, count * components)))
+            step = max(1, LARGEST_BATCH // (terms * max(nodes, count * components)))
             for first in range(0, len(same), step):
                 chosen = same[first : first + step]
-                yield _rows(near, chosen, nodes), _rows(at, chosen, count)
+                yield _entry_columns(patch_nodes, chosen, nodes), _entry_columns(patch_targets, chosen, count)
 
-    def _counts(self, of, count):
-        """Number of patches in which each target lies, (count,); of (t, b): targets of each cell; count: of targets."""
-        return np.bincount((self.cells_at @ _incidence(of, count)).indices, minlength=count)
+    def _patches_per_target(self, cell_targets, count):
+        """Number of patches in which each target lies, (count,).
+
+        cell_targets (t, b): numbers of the targets in each cell; count: number of targets.
+        """
+        return np.bincount((self.cells_at @ _incidence(cell_targets, count)).indices, minlength=count)
 
     def _matrices(self, entries, groups, components):
         """[sparse (n, groups) matrix] for each component, the sum of all entries.
@@ -125,7 +143,7 @@ class Patches:
         return [scipy.sparse.csr_matrix((one, (rows, columns)), size) for one in values.T]
 
 
-def _add(sums, counts, entries):
+def _add_entries(sums, counts, entries):
     """Adds entries [(row numbers (n,), values (n, k))] to the rows of sums (m, k), in place.
 
     counts (m,) gets the number of values added to each row.
@@ -144,18 +162,18 @@ def _incidence(lists, count):
     return scipy.sparse.csr_matrix((np.ones(lists.size, np.int32), lists.ravel(), starts), (len(lists), count))
 
 
-def _ascending(matrix):
+def _sort_columns(matrix):
     """A sparse matrix with the columns of each row in ascending order."""
     matrix.sort_indices()
     return matrix
 
 
-def _rows(matrix, chosen, size):
+def _entry_columns(matrix, chosen, size):
     """Column numbers (p, size) of the entries in the rows `chosen` (p,) of a sparse matrix; each has `size` entries."""
     return matrix.indices[matrix.indptr[chosen][:, None] + np.arange(size)]
 
 
-def _fitted(points, targets, terms):
+def _fit_patches(points, targets, terms):
     """(A, B, C) of the least-squares fits in p patches: values v at the points give B C A^T v at the targets.
 
     A (p, n, t) are the monomials with the exponents `terms` (t, 3) at the points (p, n, 3), B (p, m, t) those at the
@@ -168,8 +186,8 @@ def _fitted(points, targets, terms):
     turn = axes / np.sqrt(np.maximum(square / points.shape[1], 1e-300))[:, None]
     known, wanted = _monomials(off @ turn, terms), _monomials((targets - middle) @ turn, terms)
     square, vectors = np.linalg.eigh(known.transpose(0, 2, 1) @ known)  # squares of the singular values, ascending
-    telling = square > NEGLIGIBLE**2 * square[:, -1:]
-    inverse = np.where(telling, 1.0 / np.where(telling, square, 1.0), 0.0)
+    significant = square > SINGULAR_VALUE_CUTOFF**2 * square[:, -1:]
+    inverse = np.where(significant, 1.0 / np.where(significant, square, 1.0), 0.0)
     return known, wanted, (vectors * inverse[:, None]) @ vectors.transpose(0, 2, 1)
 
 

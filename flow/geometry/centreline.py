@@ -13,11 +13,13 @@ from flow.geometry.surface import INLET
 # Limits of the distance from a centreline point to the nearest wall node, over the centreline's radius there. In the
 # study it is 1.00 to 1.05. With the centreline of the state before or after an intervention it is as little as .52 and
 # as much as 1.82.
-NEAREST, FURTHEST = 0.7, 1.5
-AT_CAP = 1.5  # largest distance of a branch's end from the centre of its cap, in radii of the cap (study: .015)
-SAME_LENGTH = 0.01  # largest difference of s_mm from the arc length, over the branch's length (study: .0005)
+NEAREST_WALL, FURTHEST_WALL = 0.7, 1.5
+CAP_DISTANCE_RADII = (
+    1.5  # largest distance of a branch's end from the centre of its cap, in radii of the cap (study: .015)
+)
+LENGTH_TOLERANCE = 0.01  # largest difference of s_mm from the arc length, over the branch's length (study: .0005)
 # A wall node may always be this much further away than the radius: in a throat nodes may be a diameter apart.
-BETWEEN_MM = 0.3
+WALL_ALLOWANCE_MM = 0.3
 
 
 @dataclasses.dataclass
@@ -78,7 +80,7 @@ class Tree:
         """The Branch named main, which starts at the inlet."""
         return self.branches[0]
 
-    def place_of(self, probe):
+    def project_probe(self, probe):
         """(Branch, s_mm, distance_mm) of the place on its branch's axis that is nearest to a probe of boundary.json."""
         branch = self[probe["branch"]]
         return branch, *branch.project(np.array(probe["point_mm"]))
@@ -110,8 +112,8 @@ def check_wall(tree, wall_mm, where):
             if other is not branch:
                 gap, nearest = cKDTree(other.points).query(branch.points)
                 own &= gap > other.radius_mm[nearest]
-        furthest = np.maximum(FURTHEST * branch.radius_mm, branch.radius_mm + BETWEEN_MM)
-        for k in np.flatnonzero((distance < NEAREST * branch.radius_mm) | (own & (distance > furthest)))[:1]:
+        furthest = np.maximum(FURTHEST_WALL * branch.radius_mm, branch.radius_mm + WALL_ALLOWANCE_MM)
+        for k in np.flatnonzero((distance < NEAREST_WALL * branch.radius_mm) | (own & (distance > furthest)))[:1]:
             value = f"{distance[k]:.4g} mm, where the centreline's radius is {branch.radius_mm[k]:.4g} mm"
             place = f"{where}: wall's distance from {branch.name} at {branch.s_mm[k]:.4g} mm"
             raise InputError("centreline of another lumen", place, value, "give that of this lumen, both in mm")
@@ -129,7 +131,7 @@ def check_ends(tree, surface, where):
         gaps = {cap: np.linalg.norm(caps[cap][0] - branch.points[end]) / caps[cap][2] for cap in sorted(free)}
         gaps = {cap: gap for cap, gap in gaps.items() if (cap == INLET) == (end == 0)}
         nearest = min(gaps, key=gaps.get, default=None)
-        if nearest is None or gaps[nearest] > AT_CAP:
+        if nearest is None or gaps[nearest] > CAP_DISTANCE_RADII:
             value = "none is left" if nearest is None else f"the nearest is {gaps[nearest]:.3g} of its radii away"
             place = f"{where}: {name} {branch.name}"
             raise InputError("centreline does not end at an inlet or outlet of the lumen", place, value, remedy)
@@ -162,14 +164,14 @@ def read(path):
                 arrays["radius_mm"][index],
             )
         )
-        _check(branches[-1], f"{path}: {branches[-1].name}")
+        _check_branch(branches[-1], f"{path}: {branches[-1].name}")
     found = [branch.name for branch in branches]
     if len(set(found)) < len(found):
         raise InputError("two branches have the same name", path, found, "make it with the anatomy step")
     return Tree(branches)
 
 
-def _check(branch, where):
+def _check_branch(branch, where):
     """Raises InputError for a Branch of the file `where` that cannot be used.
 
     Its numbers must be finite, its radii positive, successive points different, and s_mm the arc length from the first
@@ -194,6 +196,6 @@ def _check(branch, where):
             value = f"point {k}, s_mm {branch.s_mm[k]:.4g}, radius_mm {branch.radius_mm[k]:.4g}"
             raise InputError(what, where, value, remedy)
     k = int(np.argmax(np.abs(branch.s_mm - along)))
-    if abs(branch.s_mm[k] - along[k]) > SAME_LENGTH * along[-1]:
+    if abs(branch.s_mm[k] - along[k]) > LENGTH_TOLERANCE * along[-1]:
         value = f"{branch.s_mm[k]:.4g} mm where {along[k]:.4g} mm of the line lie before it"
         raise InputError("s_mm of a centreline is not its arc length", where, value, f"{remedy}, all in mm")

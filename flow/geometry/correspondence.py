@@ -13,16 +13,16 @@ class Correspondence:
 
     def __init__(self, tree, other):
         self.tree = tree
-        own, there = [], []
+        here, matching = [], []
         for branch in tree:
             match = other[branch.name]
             s_mm = branch.s_mm * match.length_mm / branch.length_mm
-            own.append((branch.points, _tangents(branch.points), branch.radius_mm))
-            there.append((match.point(s_mm), _tangents(match.point(s_mm)), match.radius(s_mm)))
-        self.points, tangents, radii = (np.concatenate(part) for part in zip(*own))
-        self.others, other_tangents, other_radii = (np.concatenate(part) for part in zip(*there))
-        self.tangents, self.ratio = tangents, other_radii / radii
-        self.turns = _least_turns(tangents, other_tangents)
+            here.append((branch.points, _tangents(branch.points), branch.radius_mm))
+            matching.append((match.point(s_mm), _tangents(match.point(s_mm)), match.radius(s_mm)))
+        self.points, tangents, radii = (np.concatenate(part) for part in zip(*here))
+        self.other_points, other_tangents, other_radii = (np.concatenate(part) for part in zip(*matching))
+        self.tangents, self.radius_ratio = tangents, other_radii / radii
+        self.rotations = _least_rotations(tangents, other_tangents)
 
     def __call__(self, points_mm):
         """(places (n, 3) in mm in the other lumen, rotations (n, 3, 3), radius ratios (n,)) for points (n, 3) in mm.
@@ -32,10 +32,10 @@ class Correspondence:
         """
         nearest, _ = self.tree.nearest(points_mm)
         offset = points_mm - self.points[nearest]
-        along = np.einsum("ij,ij->i", offset, self.tangents[nearest])[:, None] * self.tangents[nearest]
-        ratio, turns = self.ratio[nearest], self.turns[nearest]
-        moved = along + ratio[:, None] * (offset - along)
-        return self.others[nearest] + np.einsum("nij,nj->ni", turns, moved), turns, ratio
+        axial = np.einsum("ij,ij->i", offset, self.tangents[nearest])[:, None] * self.tangents[nearest]
+        radius_ratio, rotations = self.radius_ratio[nearest], self.rotations[nearest]
+        moved = axial + radius_ratio[:, None] * (offset - axial)
+        return self.other_points[nearest] + np.einsum("nij,nj->ni", rotations, moved), rotations, radius_ratio
 
 
 def _tangents(points):
@@ -44,7 +44,7 @@ def _tangents(points):
     return change / np.linalg.norm(change, axis=1, keepdims=True)
 
 
-def _least_turns(before, after):
+def _least_rotations(before, after):
     """Rotations (n, 3, 3) by the least angle from unit vectors `before` (n, 3) to `after` (Rodrigues' formula)."""
     cross, cosine = np.cross(before, after), np.einsum("ij,ij->i", before, after)
     skew = np.zeros((len(before), 3, 3))

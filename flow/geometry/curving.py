@@ -37,11 +37,11 @@ def curve(boundary, region, points, tetrahedra, edges, middles_of_edges):
     are straightened. This may spoil a neighbour, so it is repeated until no such element is left.
     """
     stride = len(points)
-    keys, cell_edge = np.unique(_keys(tetrahedra[:, tet10.EDGES].reshape(-1, 2), stride), return_inverse=True)
+    keys, cell_edge = np.unique(_edge_keys(tetrahedra[:, tet10.EDGES].reshape(-1, 2), stride), return_inverse=True)
     cell_edge = cell_edge.reshape(-1, 6)
     straight = 0.5 * (points[keys // stride] + points[keys % stride])
     middles = straight.copy()
-    middles[np.searchsorted(keys, _keys(edges, stride))] = middles_of_edges
+    middles[np.searchsorted(keys, _edge_keys(edges, stride))] = middles_of_edges
     curved = np.linalg.norm(middles - straight, axis=1) > 0
     total, straightened = int(curved.sum()), 0
     while True:
@@ -54,7 +54,7 @@ def curve(boundary, region, points, tetrahedra, edges, middles_of_edges):
         straightened += len(chosen)
     # gmsh's triangle of six nodes: corners, then the middles of 01, 12, 20
     sides = boundary[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    place = np.searchsorted(keys, _keys(sides, stride)).reshape(-1, 3)
+    place = np.searchsorted(keys, _edge_keys(sides, stride)).reshape(-1, 3)
     return QuadraticMesh(
         np.concatenate([points, middles]),
         np.concatenate([tetrahedra, stride + cell_edge], axis=1),
@@ -65,7 +65,7 @@ def curve(boundary, region, points, tetrahedra, edges, middles_of_edges):
     )
 
 
-def _keys(edges, stride):
+def _edge_keys(edges, stride):
     """One number for each undirected edge (e, 2), the same for both directions; stride: number of points."""
     return edges.min(axis=1) * stride + edges.max(axis=1)
 

@@ -6,28 +6,28 @@ other edges the cosine was .48 or more.
 
 import numpy as np
 
-from flow.geometry.surface import WALL, Surface, beside
+from flow.geometry.surface import WALL, Surface, facets_at_edges
 from flow.geometry.vectors import dot, unit
 
-FOLDED = -0.9  # an edge is a fold if the normals of its two facets have a smaller cosine
+FOLD_COSINE = -0.9  # an edge is a fold if the normals of its two facets have a smaller cosine
 MOST_FLIPS = 100  # edges that are flipped at most
 
 
-def unfolded(surface):
+def unfold(surface):
     """The Surface with the edges at its folds flipped where that is possible; unchanged if it has no folds.
 
     Flipping an edge replaces it by the other diagonal of its two facets.
     """
     for _ in range(MOST_FLIPS):
         edges, side = surface.edges()
-        pairs, normals = beside(side), unit(surface.area_vectors())
+        pairs, normals = facets_at_edges(side), unit(surface.area_vectors())
         cosine = dot(normals[pairs[:, 0]], normals[pairs[:, 1]])
         cosine[(surface.region[pairs] != WALL).any(axis=1)] = 1.0
         known = {tuple(edge) for edge in edges.tolist()}
         for k in np.argsort(cosine, kind="stable"):
-            if cosine[k] >= FOLDED:
+            if cosine[k] >= FOLD_COSINE:
                 return surface
-            flipped = _flipped(surface, edges[k], pairs[k], known)
+            flipped = _flip_edge(surface, edges[k], pairs[k], known)
             if flipped is not None:
                 surface = flipped
                 break
@@ -36,7 +36,7 @@ def unfolded(surface):
     return surface
 
 
-def _flipped(surface, edge, pair, known):
+def _flip_edge(surface, edge, pair, known):
     """The Surface with `edge` (2,) between the facets `pair` (2,) flipped; None if the other diagonal is an edge too.
 
     known: all edges, as tuples of ascending vertices.

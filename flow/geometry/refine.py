@@ -5,28 +5,28 @@ import numpy as np
 from flow.geometry.smooth_surface import edge_middles
 from flow.geometry.surface import Surface
 
-TOO_LONG = 1.4  # an edge longer than this times its target is split, so that halves have at least .7 of the target
-PASSES = 4  # most rounds of splitting
+SPLIT_RATIO = 1.4  # an edge longer than this times its target is split, so that halves have at least .7 of the target
+MOST_ROUNDS = 4  # most rounds of splitting
 
 
 def refine(surface, target_mm):
-    """The Surface with its long edges split, in up to PASSES rounds; new vertices lie on geometry.smooth_surface.
+    """The Surface with its long edges split, in up to MOST_ROUNDS rounds; new vertices lie on geometry.smooth_surface.
 
-    target_mm(points (n, 3)) -> wanted edge length (n,) in mm; longer edges than TOO_LONG times it are split.
+    target_mm(points (n, 3)) -> wanted edge length (n,) in mm; longer edges than SPLIT_RATIO times it are split.
     """
-    for _ in range(PASSES):
+    for _ in range(MOST_ROUNDS):
         edges, side = surface.edges()
         a, b = surface.points[edges[:, 0]], surface.points[edges[:, 1]]
         length = np.linalg.norm(b - a, axis=1)
-        marked = length > TOO_LONG * target_mm(0.5 * (a + b))
+        marked = length > SPLIT_RATIO * target_mm(0.5 * (a + b))
         if not marked.any():
             break
-        marked = _close(marked, side, length)
-        surface = _split(surface, marked, edges, side)
+        marked = _mark_longest_sides(marked, side, length)
+        surface = _split_edges(surface, marked, edges, side)
     return surface
 
 
-def _close(marked, side, length):
+def _mark_longest_sides(marked, side, length):
     """Marks the longest side of every triangle that has a marked side, until nothing changes (Rivara's rule).
 
     marked (e,) bool and length (e,) of the edges; side (m, 3): the edges of each triangle.
@@ -39,7 +39,7 @@ def _close(marked, side, length):
         marked[longest[more]] = True
 
 
-def _split(surface, marked, edges, side):
+def _split_edges(surface, marked, edges, side):
     """The Surface with its marked edges split. A triangle with marked edges becomes two, three or four; its longest
     side is always among them."""
     new = np.full(len(edges), -1)

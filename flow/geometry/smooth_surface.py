@@ -70,7 +70,7 @@ def edge_middles(surface, edges, side, normals=None):
     on_wall, _ = edge_kinds(surface, edges, side)
     normals = vertex_normals(surface, edges, side) if normals is None else normals
     n0, n1, d = normals[edges[:, 0]], normals[edges[:, 1]], b - a
-    offset = _bow(d, n1) - _bow(d, n0)
+    offset = _end_offset(d, n1) - _end_offset(d, n0)
     offset[~on_wall] = 0.0
     size = np.linalg.norm(offset, axis=1)
     limit = LARGEST_OFFSET * np.linalg.norm(d, axis=1)
@@ -78,7 +78,7 @@ def edge_middles(surface, edges, side, normals=None):
     return middle + scale[:, None] * offset
 
 
-def _bow(d, normal):
+def _end_offset(d, normal):
     """Contribution (e, 3) of one end to the offset of the middle point; d (e, 3): edges, normal (e, 3): at that end."""
     rise = np.einsum("ij,ij->i", d, normal)
     square = np.maximum(np.einsum("ij,ij->i", d, d), 1e-300)

@@ -50,7 +50,7 @@ class Surface:
             found[cap] = centre, unit(total), float(np.sqrt(weight.sum() / np.pi))
         return found
 
-    def parts(self, chosen):
+    def count_pieces(self, chosen):
         """Number of pieces that the triangles `chosen` (m,) bool make; pieces have no edge in common."""
         edges, side = self.edges()
         side = side[chosen]
@@ -64,12 +64,12 @@ class Surface:
         return float(np.einsum("ij,ij->", centroid, self.area_vectors()) / 3.0)
 
 
-def beside(side):
+def facets_at_edges(side):
     """Numbers (e, 2) of the two triangles at each edge of a closed surface; side (m, 3): of `Surface.edges`."""
     return np.argsort(side.ravel(), kind="stable").reshape(-1, 2) // 3
 
 
-def border(triangles):
+def border_edges(triangles):
     """Border of triangles (m, 3): the edges (r, 2) that only one triangle has, in the direction of this triangle."""
     sides = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     _, inverse, counts = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True, return_counts=True)
@@ -88,7 +88,7 @@ def read(path):
         raise InputError("lumen surface is not made of triangles", path, data.GetNumberOfCells(), "triangulate it")
     if data.GetPolys().GetMaxCellSize() != 3:
         raise InputError("lumen surface is not made of triangles", path, "polygons", "triangulate it")
-    surface = Surface(*vtp.arrays(data), vtk_to_numpy(region).astype(int))
+    surface = Surface(*vtp.points_and_triangles(data), vtk_to_numpy(region).astype(int))
     check(surface, path)
     return surface
 
@@ -106,9 +106,9 @@ def check(surface, where):
     if np.any(np.bincount(side.ravel()) != 2):
         count = int(np.sum(np.bincount(side.ravel()) != 2))
         raise InputError("lumen surface is not closed", where, f"{count} edges without two triangles", remedy)
-    parts = surface.parts(np.ones(len(surface.triangles), bool))
-    if parts > 1:
-        raise InputError("lumen surface is not of one piece", where, f"{parts} pieces", remedy)
+    pieces = surface.count_pieces(np.ones(len(surface.triangles), bool))
+    if pieces > 1:
+        raise InputError("lumen surface is not of one piece", where, f"{pieces} pieces", remedy)
     if surface.volume_mm3() <= 0:
         raise InputError("lumen surface is turned inside out", where, f"{surface.volume_mm3():.3g} mm3", remedy)
     if INLET not in surface.caps or len(surface.caps) < 2 or WALL not in surface.region or surface.region.min() < 0:
@@ -127,12 +127,12 @@ def check(surface, where):
 def _check_patches(surface, where, remedy):
     """Raises InputError unless each cap is one connected patch of triangles that touches no other cap."""
     for cap in surface.caps:
-        parts = surface.parts(surface.region == cap)
-        if parts > 1:
+        pieces = surface.count_pieces(surface.region == cap)
+        if pieces > 1:
             raise InputError(
-                "tag of a lumen end is not on one patch", where, f"region_id {cap}: {parts} patches", remedy
+                "tag of a lumen end is not on one patch", where, f"region_id {cap}: {pieces} patches", remedy
             )
-    tags = surface.region[beside(surface.edges()[1])]
+    tags = surface.region[facets_at_edges(surface.edges()[1])]
     touching = tags[(tags != WALL).all(axis=1) & (tags[:, 0] != tags[:, 1])]
     if len(touching):
         tags = sorted(touching[0].tolist())

@@ -20,7 +20,7 @@ def six_volumes(points, tetrahedra):
     return np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a))
 
 
-def positive(points, tetrahedra):
+def orient_positive(points, tetrahedra):
     """The tetrahedra (t, 4), with two corners swapped where the volume is negative, so that all are positive."""
     negative = six_volumes(points, tetrahedra) < 0
     tetrahedra = tetrahedra.copy()
@@ -72,7 +72,7 @@ def jacobian_bounds(nodes):
     return bezier.min(axis=1), bezier.max(axis=1)
 
 
-def overlapping(tetrahedra):
+def count_overlapping(tetrahedra):
     """Number of faces with both of their cells on the same side; tetrahedra (n, 4), each of positive volume.
 
     This happens where a mesh was folded and a cell is turned over. The cell by itself looks good, but it overlaps its

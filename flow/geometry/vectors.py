@@ -24,7 +24,7 @@ def unit(vectors):
     return vectors / length(vectors)[..., None]
 
 
-def circle(angles):
+def cosines_and_sines(angles):
     """(cosines, sines) (n,) of angles (n,) in rad."""
     return np.array([math.cos(angle) for angle in angles]), np.array([math.sin(angle) for angle in angles])
 

@@ -22,7 +22,7 @@ from flow.physics.units import M3_PER_S_PER_ML_PER_MIN, PA_PER_MMHG
 ROUNDING_MM = 1e-6  # a probe's distance that is too short by less than this gets no warning
 # Largest ratio of R_i Q_i to MAP - P_v, and of MAP - P_v to R_i Q_i. Beyond it R_i has other units or is another
 # outlet's.
-FACTOR = 10.0
+LARGEST_FLOW_RATIO = 10.0
 
 
 def mean_arterial_pressure_mmhg(sbp_mmhg, dbp_mmhg):
@@ -53,11 +53,11 @@ def split_by_diameter(diameters_mm, exponent):
     return [weight / total for weight in weights]
 
 
-def make(anatomy, centreline, patient, settings, measured=None, ranged=False):
+def make(anatomy, centreline, patient, settings, measured=None, with_range=False):
     """The document of boundary.json.
 
     anatomy: document of anatomy.json; centreline: geometry.centreline.Tree; patient: section `patient` of a case file;
-    measured: section `measured` of a case file with the place of its pressure wire, or None; ranged: whether the
+    measured: section `measured` of a case file with the place of its pressure wire, or None; with_range: whether the
     document gets `plausible_flows`. Raises InputError.
     """
     map_pa = mean_arterial_pressure_mmhg(patient["sbp_mmhg"], patient["dbp_mmhg"]) * PA_PER_MMHG
@@ -66,7 +66,7 @@ def make(anatomy, centreline, patient, settings, measured=None, ranged=False):
         raise InputError(
             "venous pressure is not below MAP", "venous_pressure_mmhg", settings.venous_pressure_mmhg, "usually 5 mmHg"
         )
-    source = hyperaemia.source(patient, settings.hyperaemia_fraction)
+    source = hyperaemia.flow_source(patient, settings.hyperaemia_fraction)
     q_hyp = source.pop("flow_m3_per_s")
     lumen_summary.check(anatomy, "anatomy.json", "ends")
     ends = [end for end in anatomy["ends"] if end["kind"] == "outlet"]
@@ -89,15 +89,17 @@ def make(anatomy, centreline, patient, settings, measured=None, ranged=False):
         for outlet in outlets:
             pressure = settings.outlet_pressure_mmhg * PA_PER_MMHG
             outlet.update(resistance_pa_s_per_m3=0.0, pressure_pa=pressure)
-    given = settings.inlet_flow_ml_per_min * M3_PER_S_PER_ML_PER_MIN
-    read_at = probes(anatomy, centreline, settings.probe_distance_mm)
-    doubted = doubts(patient, measured, settings.hyperaemia_fraction) + too_near(read_at, settings.probe_distance_mm)
+    inlet_flow = settings.inlet_flow_ml_per_min * M3_PER_S_PER_ML_PER_MIN
+    probe_places = probes(anatomy, centreline, settings.probe_distance_mm)
+    warnings = patient_warnings(patient, measured, settings.hyperaemia_fraction) + probe_distance_warnings(
+        probe_places, settings.probe_distance_mm
+    )
     if measured:
-        read_at.append(wire.probe(measured["probe"], centreline))
-        doubted += wire.before_lesions(read_at[-1], anatomy)
+        probe_places.append(wire.sensor_probe(measured["probe"], centreline))
+        warnings += wire.upstream_warnings(probe_places[-1], anatomy)
     document = {
         "schema": "vci-boundary-1",
-        "inlet_flow_m3_per_s": given if settings.inlet_condition == "flow" else None,
+        "inlet_flow_m3_per_s": inlet_flow if settings.inlet_condition == "flow" else None,
         "map_pa": map_pa,
         "venous_pressure_pa": venous_pa,
         "density_kg_per_m3": settings.density_kg_per_m3,
@@ -106,21 +108,21 @@ def make(anatomy, centreline, patient, settings, measured=None, ranged=False):
         "q_hyperaemic_m3_per_s": q_hyp,
         "flow_source": source,
         "outlets": outlets,
-        "probes": read_at,
-        "warnings": said(doubted),
+        "probes": probe_places,
+        "warnings": print_warnings(warnings),
     }
-    if ranged:
-        document["plausible_flows"] = hyperaemia.plausible(patient, settings.hyperaemia_fraction)
+    if with_range:
+        document["plausible_flows"] = hyperaemia.plausible_flows(patient, settings.hyperaemia_fraction)
     check(document, branches=[line.name for line in centreline])
     return document
 
 
-def doubts(patient, measured, hyperaemia_fraction=None):
+def patient_warnings(patient, measured, hyperaemia_fraction=None):
     """[warning] on values of a patient that are unusual, but can be used. patient, measured: as in `make`."""
-    return hyperaemia.doubts(patient, hyperaemia_fraction) + wire.doubts(measured or {})
+    return hyperaemia.flow_warnings(patient, hyperaemia_fraction) + wire.ffr_warnings(measured or {})
 
 
-def said(warnings):
+def print_warnings(warnings):
     """Prints the warnings [str], and returns them."""
     for one in warnings:
         print(one, file=sys.stderr, flush=True)
@@ -143,29 +145,29 @@ def probes(anatomy, centreline, distance_mm):
         s_mm = min(s_mm, last)
         return {"name": name, "branch": branch, "s_mm": float(s_mm), "point_mm": line.point(s_mm).tolist()}
 
-    def past(name, lesion):
+    def past_lesion(name, lesion):
         entry = probe(name, lesion["branch"], lesion["s_end_mm"] + distance_mm)
         return entry | {"distance_mm": entry["s_mm"] - lesion["s_end_mm"]}
 
     lesions = anatomy.get("lesions", [])
     found = []
     if lesions:
-        found.append(past("distal", lesions[0]))
+        found.append(past_lesion("distal", lesions[0]))
     else:
         found.append(probe("distal", centreline.main.name, math.inf))
     for k, lesion in enumerate(lesions[1:], start=2):
-        found.append(past(f"lesion{k}", lesion))
+        found.append(past_lesion(f"lesion{k}", lesion))
     for line in centreline:
         found.append(probe(f"end_{line.name}", line.name, math.inf))
     return found
 
 
-def too_near(read_at, distance_mm):
+def probe_distance_warnings(probe_places, distance_mm):
     """[warning] on probes (as of `probes`) that are less than `distance_mm` past their lesion, as the branch ends."""
     return [
         f"probe {probe['name']} is {probe['distance_mm']:.1f} mm past its lesion's end instead of {distance_mm:g} mm,"
         f" since branch {probe['branch']} ends"
-        for probe in read_at
+        for probe in probe_places
         if probe.get("distance_mm", distance_mm) < distance_mm - ROUNDING_MM
     ]
 
@@ -178,7 +180,7 @@ def check(document, where="boundary.json", branches=None):
     given = json_reader.Document(where, document)
     given.check_finite()
     schema.validate(given, schema.read("boundary"))
-    viscosity.of(document, where)
+    viscosity.from_document(document, where)
     _check_pressures(document, where)
     first = document["probes"][0]["name"]
     if first != "distal":
@@ -186,7 +188,7 @@ def check(document, where="boundary.json", branches=None):
         raise InputError("the first probe is not `distal`", f"{where}: probes", first, remedy)
     for group, keys in (("outlets", ("name", "region_id", "branch")), ("probes", ("name",))):
         for key in keys:
-            _check_told_apart(document[group], f"{where}: {group}", key)
+            _check_distinct(document[group], f"{where}: {group}", key)
     for one in document["outlets"]:
         resistance = one["resistance_pa_s_per_m3"]
         if not (resistance > 0 or (resistance == 0 and "pressure_pa" in one)):
@@ -207,16 +209,16 @@ def _check_pressures(document, where):
     """Raises InputError unless P_v is below MAP. Unless the inflow is given, given outlet pressures must be too."""
     map_pa, remedy = document["map_pa"], f"below map_pa, which is {document['map_pa']:g}, in Pa"
     if document["venous_pressure_pa"] >= map_pa:
-        where_it_is = f"{where}: venous_pressure_pa"
-        raise InputError("venous pressure is not below MAP", where_it_is, document["venous_pressure_pa"], remedy)
+        place = f"{where}: venous_pressure_pa"
+        raise InputError("venous pressure is not below MAP", place, document["venous_pressure_pa"], remedy)
     for one in document["outlets"] if document.get("inlet_flow_m3_per_s") is None else ():
         if one.get("pressure_pa", 0.0) >= map_pa:
-            where_it_is = f"{where}: {one['name']} pressure_pa"
-            raise InputError("pressure at an outlet is not below MAP", where_it_is, one["pressure_pa"], remedy)
+            place = f"{where}: {one['name']} pressure_pa"
+            raise InputError("pressure at an outlet is not below MAP", place, one["pressure_pa"], remedy)
 
 
 def _check_flow(outlet, document, where):
-    """Raises InputError if an outlet's resistance times its planned flow differs by over FACTOR from MAP - P_v.
+    """Raises InputError unless an outlet's resistance times its planned flow is MAP - P_v within LARGEST_FLOW_RATIO.
 
     This is checked only with the inlet at MAP and P_v behind the outlet. Benchmarks may give an outlet's pressure or
     the inflow instead.
@@ -224,14 +226,14 @@ def _check_flow(outlet, document, where):
     if outlet.get("pressure_pa") is not None or document.get("inlet_flow_m3_per_s") is not None:
         return
     pressure, given = document["map_pa"] - document["venous_pressure_pa"], outlet["resistance_pa_s_per_m3"]
-    if not 1 / FACTOR <= given * outlet["flow_m3_per_s"] / pressure <= FACTOR:
+    if not 1 / LARGEST_FLOW_RATIO <= given * outlet["flow_m3_per_s"] / pressure <= LARGEST_FLOW_RATIO:
         value = f"{given:.4g} Pa s/m3, with the planned flow of {outlet['flow_m3_per_s']:.4g} m3/s it should be about"
         value += f" {pressure / outlet['flow_m3_per_s']:.4g}"
         remedy = "R_i = (MAP - P_v) / Q_i in Pa s/m3 (1 mmHg s/mL is 1.33322e8 Pa s/m3)"
         raise InputError("resistance does not belong to the outlet's flow", f"{where}: {outlet['name']}", value, remedy)
 
 
-def _check_told_apart(entries, where, key):
+def _check_distinct(entries, where, key):
     """Raises InputError if two entries have the same value of `key`."""
     values = [entry[key] for entry in entries]
     twice = sorted({value for value in values if values.count(value) > 1})

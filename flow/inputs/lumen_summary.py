@@ -3,8 +3,9 @@
 from common.documents import json_reader, schema
 from common.errors import InputError
 
-OF_A_PLAN = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # files of the anatomy step for one lumen
-SAME_LENGTH = 0.005  # largest relative difference of a branch's lengths in anatomy.json and centreline.vtp
+# Files of the anatomy step for one lumen.
+ANATOMY_STEP_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")
+LENGTH_TOLERANCE = 0.005  # largest relative difference of a branch's lengths in anatomy.json and centreline.vtp
 
 
 def read(path, *needed):
@@ -37,7 +38,7 @@ def check_lengths(data, tree, where):
     """
     for branch in data.get("branches", []):
         given, found = branch.get("length_mm"), tree[branch["name"]].length_mm
-        if given is not None and abs(given - found) > SAME_LENGTH * found:
+        if given is not None and abs(given - found) > LENGTH_TOLERANCE * found:
             value = f"length {given:.4g} mm, of the centreline {found:.4g} mm"
             remedy = "give anatomy.json and centreline of one lumen, both in mm"
             raise InputError("a branch of another lumen", f"{where}: {branch['name']}", value, remedy)

@@ -13,16 +13,16 @@ from flow.geometry import correspondence, locate, tet10
 from flow.physics.units import M_PER_MM
 
 REMEDY = "give the folder that `flow solve` wrote"
-WIDEST = 2.0  # limit of the factor by which a velocity is changed for the ratio of the areas
+LARGEST_VELOCITY_FACTOR = 2.0  # limit of the factor by which a velocity is changed for the ratio of the areas
 
 
 @dataclasses.dataclass
-class Start:
+class StartState:
     """A solved state of the vessel: nodes (n, 3) in mm and cells (m, 10) of its mesh, with the flow at the nodes.
 
-    velocity (n, 3) in m/s, pressure (n,) in Pa, inflow in m3/s; artificial: eps of its artificial viscosity; mesh: name
-    of the mesh file that answered; places: geometry.correspondence.Correspondence from the lumen to be solved to that
-    of this state.
+    velocity (n, 3) in m/s, pressure (n,) in Pa, inflow in m3/s; artificial_viscosity: its eps; mesh_name: name
+    of the mesh file that answered; to_other_lumen: geometry.correspondence.Correspondence from the lumen to be solved
+    to that of this state.
     """
 
     nodes_mm: np.ndarray
@@ -30,26 +30,30 @@ class Start:
     velocity: np.ndarray
     pressure: np.ndarray
     inflow: float
-    artificial: float
-    mesh: str
-    places: correspondence.Correspondence
+    artificial_viscosity: float
+    mesh_name: str
+    to_other_lumen: correspondence.Correspondence
 
-    def at(self, points):
+    def fields_at(self, points):
         """First guess (velocity (n, 3) in m/s, pressure (n,) in Pa) at points (n, 3) in m of the lumen to be solved.
 
         The two lumens differ in area but are assumed to carry the same flow. So the velocity is multiplied by the
-        solved state's area over the area of the lumen to be solved. This factor is limited to 1 / WIDEST to WIDEST.
+        solved state's area over the area of the lumen to be solved. This factor is at most
+        LARGEST_VELOCITY_FACTOR, and at least its inverse.
         """
-        where, turns, ratio = self.places(points / M_PER_MM)
-        cell, lam, _ = locate.Locator(self.nodes_mm, self.cells).find(where)
+        other_points, rotations, radius_ratio = self.to_other_lumen(points / M_PER_MM)
+        cell, lam, _ = locate.Locator(self.nodes_mm, self.cells).find(other_points)
         weights, nodes = tet10.basis(lam), self.cells[cell]
         velocity = np.einsum("mn,mnd->md", weights, self.velocity[nodes])
-        velocity = np.einsum("nji,nj->ni", turns, velocity) * np.clip(ratio**2, 1 / WIDEST, WIDEST)[:, None]
+        velocity = (
+            np.einsum("nji,nj->ni", rotations, velocity)
+            * np.clip(radius_ratio**2, 1 / LARGEST_VELOCITY_FACTOR, LARGEST_VELOCITY_FACTOR)[:, None]
+        )
         return velocity, np.einsum("mn,mn->m", weights, self.pressure[nodes])
 
 
 def read(folder, tree, other):
-    """Start from the output folder of `flow solve` for another state of the vessel.
+    """StartState from the output folder of `flow solve` for another state of the vessel.
 
     tree, other: geometry.centreline.Tree of the lumen to be solved, and of that state. Raises InputError for files that
     are missing or of another kind, and where the two trees have different branches.
@@ -75,6 +79,6 @@ def read(folder, tree, other):
     cells = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 10)[:, tet10.VTK_ORDER].astype(int)
     points = vtk_to_numpy(grid.GetPoints().GetData()).astype(float)
     fields = [vtk_to_numpy(values[name]).astype(float) for name in values]
-    inflow, artificial = document["inlet_flow_m3_per_s"], document["artificial_viscosity"]
-    places = correspondence.Correspondence(tree, other)
-    return Start(points, cells, *fields, inflow, artificial, document["mesh"], places)
+    inflow, artificial_viscosity = document["inlet_flow_m3_per_s"], document["artificial_viscosity"]
+    to_other_lumen = correspondence.Correspondence(tree, other)
+    return StartState(points, cells, *fields, inflow, artificial_viscosity, document["mesh"], to_other_lumen)

@@ -14,15 +14,15 @@ import numpy as np
 
 from flow.geometry import vectors
 from flow.geometry.centreline import Branch, Tree
-from flow.geometry.surface import INLET, WALL, Surface, border
+from flow.geometry.surface import INLET, WALL, Surface, border_edges
 from flow.meshing.sweep import spans, stations
 
-SPACING_MM = 0.25  # distance of the centreline's points in an extension
-# Shares of the healthy radius. Behind a narrowing to at least NARROW an outlet needs no clearance, behind one to at
-# most STRONG all of it, in between a share. A vessel cut off 2 diameters behind narrowings to .58, .54, .5 and .45 has
-# an FFR that differs by .0006, .0015, .0029 and .0056 from its FFR with 8 diameters (axisymmetric model, 170 to 190
-# mL/min). With the share of the clearance that these narrowings get, it differs by .0015 at most.
-NARROW, STRONG = 0.6, 0.4
+POINT_SPACING_MM = 0.25  # distance of the centreline's points in an extension
+# Shares of the healthy radius. Behind a narrowing to at least MILD_NARROWING an outlet needs no clearance, behind one
+# to at most STRONG_NARROWING all of it, in between a share. A vessel cut off 2 diameters behind narrowings to .58, .54,
+# .5 and .45 has an FFR that differs by .0006, .0015, .0029 and .0056 from its FFR with 8 diameters (axisymmetric model,
+# 170 to 190 mL/min). With the share of the clearance that these narrowings get, it differs by .0015 at most.
+MILD_NARROWING, STRONG_NARROWING = 0.6, 0.4
 
 
 @dataclasses.dataclass
@@ -40,16 +40,16 @@ class Extension:
     distance_mm: float
 
 
-def needed(surface, tree, settings):
+def find_extensions(surface, tree, settings):
     """[Extension] for the caps that lie too close to a narrowing, or for which the settings give a length."""
     found = []
-    for axis in spans.axes(surface, tree).values():
+    for axis in spans.branch_axes(surface, tree).values():
         for cap, at_end in zip(axis.cap_ids, (False, True)):
             if cap is None:
                 continue
-            normal, diameter = _cap(surface, cap)
+            normal, diameter = _cap_geometry(surface, cap)
             clearance = settings.outlet_clearance_diameters if at_end else settings.inlet_clearance_diameters
-            missing, distance = _missing(axis.branch, at_end, clearance * diameter)
+            missing, distance = _missing_clearance(axis.branch, at_end, clearance * diameter)
             asked = settings.outlet_extension_diameters * diameter if at_end else 0.0
             length = max(asked, missing)
             if length > 0:
@@ -58,33 +58,33 @@ def needed(surface, tree, settings):
     return found
 
 
-def _missing(branch, from_end, clearance_mm):
+def _missing_clearance(branch, from_end, clearance_mm):
     """(missing clearance, distance) in mm from a branch's end (from_end), or its start, to a narrowing.
 
     Of several narrowings it is the one with the largest missing clearance, which is not positive if none is missing. A
-    narrowing is below NARROW of the healthy radius somewhere, and ends where it reaches 0.95 of it
+    narrowing is below MILD_NARROWING of the healthy radius somewhere, and ends where it reaches 0.95 of it
     (meshing.sweep.stations). Behind a narrowing a share of clearance_mm is wanted, the larger the stronger the
     narrowing; before it all of clearance_mm.
     """
     s, share = branch.s_mm, stations.healthy_share(branch)
     if from_end:
         s, share = branch.length_mm - s[::-1], share[::-1]
-        wanted = clearance_mm * np.clip((NARROW - share) / (NARROW - STRONG), 0, 1)
+        wanted = clearance_mm * np.clip((MILD_NARROWING - share) / (MILD_NARROWING - STRONG_NARROWING), 0, 1)
     else:
-        wanted = np.where(share <= NARROW, clearance_mm, 0.0)
-    distance = np.maximum.accumulate(np.where(share >= stations.HEALTHY, s, 0.0))
+        wanted = np.where(share <= MILD_NARROWING, clearance_mm, 0.0)
+    distance = np.maximum.accumulate(np.where(share >= stations.HEALTHY_SHARE, s, 0.0))
     k = int(np.argmax(wanted - distance))
     return float(wanted[k] - distance[k]), float(distance[k])
 
 
-def extend(surface, extensions):
+def extend_surface(surface, extensions):
     """The Surface with the caps of [Extension] moved out; new wall is added in layers about as long as rim edges."""
     for one in extensions:
-        surface = _extend(surface, one.region_id, one.length_mm)
+        surface = _extend_cap(surface, one.region_id, one.length_mm)
     return surface
 
 
-def prolonged(tree, extensions):
+def extend_tree(tree, extensions):
     """The Tree with its centrelines continued straight through [Extension].
 
     With an extended inlet s = 0 is at the start of the extension.
@@ -92,7 +92,7 @@ def prolonged(tree, extensions):
     branches = {branch.name: branch for branch in tree}
     for one in extensions:
         branch = branches[one.branch]
-        steps = max(2, int(np.ceil(one.length_mm / SPACING_MM)))
+        steps = max(2, int(np.ceil(one.length_mm / POINT_SPACING_MM)))
         along = np.linspace(0.0, one.length_mm, steps + 1)
         at_start = one.region_id == INLET
         k = 0 if at_start else -1
@@ -108,18 +108,18 @@ def prolonged(tree, extensions):
     return Tree(list(branches.values()))
 
 
-def _cap(surface, cap):
+def _cap_geometry(surface, cap):
     """(outward unit normal (3,), diameter in mm of the circle of its area) of the cap with region id `cap`."""
     vector = surface.area_vectors()[surface.region == cap].sum(axis=0)
     area = float(vectors.length(vector))
     return vector / area, 2.0 * np.sqrt(area / np.pi)
 
 
-def _extend(surface, cap, length):
+def _extend_cap(surface, cap, length):
     """The Surface with the cap of region id `cap` moved out by `length` mm, and new wall between."""
     in_cap = surface.region == cap
-    normal, _ = _cap(surface, cap)
-    rim = border(surface.triangles[in_cap])
+    normal, _ = _cap_geometry(surface, cap)
+    rim = border_edges(surface.triangles[in_cap])
     spacing = np.linalg.norm(surface.points[rim[:, 1]] - surface.points[rim[:, 0]], axis=1).mean()
     layers = max(1, round(length / spacing))
     # the cap's vertices, rim included, move to the end of the tube; the old rim and the layers get new vertices

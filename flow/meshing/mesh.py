@@ -12,10 +12,10 @@ from common.errors import ComputationError
 from common.files import replacing, sha256, write_json
 from flow.geometry import curving, folds, refine, smooth_surface
 from flow.geometry.tags import PHYSICAL_VOLUME, physical_tag
-from flow.geometry.tet10 import LEAST_JACOBIAN_RATIO, overlapping
+from flow.geometry.tet10 import LEAST_JACOBIAN_RATIO, count_overlapping
 from flow.meshing import extension, hybrid, size_field, volume_mesh
 
-OTHER_SIZES = (1.0, 1.1, 0.9, 0.8)  # factors on the coarse mesh's cells per radius, tried in turn
+SIZE_FACTORS = (1.0, 1.1, 0.9, 0.8)  # factors on the coarse mesh's cells per radius, tried in turn
 
 
 def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0):
@@ -25,53 +25,53 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
     the discs' distance. The report is a part of mesh.json. Raises ComputationError.
     """
     rings = rings or settings.rings
-    given, surface = surface, folds.unfolded(surface)
-    extensions = extension.needed(surface, tree, settings)
-    tree = extension.prolonged(tree, extensions)
+    original, surface = surface, folds.unfold(surface)
+    extensions = extension.find_extensions(surface, tree, settings)
+    tree = extension.extend_tree(tree, extensions)
     sizes = size_field.SizeField(tree, cells_per_radius, settings.jet_spread)
     refused = []
     for attempt in ATTEMPTS:
-        wall = extension.extend(attempt.wall(surface, sizes), extensions)
+        wall = extension.extend_surface(attempt.make_surface(surface, sizes), extensions)
         try:
-            linear = attempt.cells(wall, tree, sizes, settings, rings, coarsening)
+            linear = attempt.make_cells(wall, tree, sizes, settings, rings, coarsening)
             mesh = curving.curve(
                 linear.boundary, linear.region, linear.points, linear.tetrahedra, linear.edges, linear.middles
             )
-            figures = _checked(mesh, linear.swept)
+            quality = _checked_quality(mesh, linear.swept)
             break
         except (hybrid.NoSpans, ComputationError) as error:
             refused.append(f"{attempt.name}: " + " ".join(str(error).split()))
             print(refused[-1], file=sys.stderr, flush=True)
     else:
         raise ComputationError("no volume mesh", "lumen", "; ".join(refused), "check the surface for self-contact")
-    swept = {"way": attempt.name, "cells": int(linear.swept.sum()), "spans": linear.spans, "moved": linear.moved}
+    swept = {"way": attempt.name, "cells": int(linear.swept.sum()), "spans": linear.spans, "moved": linear.moved_ends}
     if refused:
-        swept |= {"reason": "; ".join(refused) + _unlayered(settings), "cost": attempt.cost}
+        swept |= {"reason": "; ".join(refused) + _layer_warning(settings), "cost": attempt.cost}
     report = {
         "element_order": 2,
         "cells": len(mesh.tetrahedra),
         "nodes": len(mesh.points),
         "dofs": 3 * len(mesh.points) + len(np.unique(mesh.tetrahedra[:, :4])),
-        "unfolded_facets": int((given.triangles != surface.triangles).any(axis=1).sum()),
+        "unfolded_facets": int((original.triangles != surface.triangles).any(axis=1).sum()),
         "surface_triangles": len(mesh.triangles),
         "cells_per_radius": cells_per_radius,
         "rings": rings,
         "wall_layers": settings.wall_layers if swept["cells"] else 1,
         "swept": swept,
-        "quality": figures,
+        "quality": quality,
         "volume_mm3": wall.volume_mm3(),
         "extensions": [dataclasses.asdict(one) for one in extensions],
     }
     return mesh, report
 
 
-def coarser(fine, surface, tree, cells_per_radius, settings, rings, coarsening):
-    """As `build`, but with fewer cells than `fine`. (None, report) if no factor of OTHER_SIZES gives fewer.
+def build_coarser(fine, surface, tree, cells_per_radius, settings, rings, coarsening):
+    """As `build`, but with fewer cells than `fine`. (None, report) if no factor of SIZE_FACTORS gives fewer.
 
     A mesh that cannot be swept has isotropic tetrahedra. They may be more numerous than those of a finer, swept mesh.
     """
     least = math.inf
-    for factor in OTHER_SIZES:
+    for factor in SIZE_FACTORS:
         built, report = build(surface, tree, factor * cells_per_radius, settings, rings, coarsening)
         if report["cells"] < fine:
             return built, report
@@ -81,7 +81,7 @@ def coarser(fine, surface, tree, cells_per_radius, settings, rings, coarsening):
     return None, {"rings": rings, "cells": least, "not_fewer_than": fine}
 
 
-def sequence(paths, surface, tree, settings, report):
+def build_sequence(paths, surface, tree, settings, report):
     """Makes the meshes of a lumen: [(QuadraticMesh or None, its part of `report`, path)], the finest first.
 
     paths: [(path, rings)], the coarsest first. A mesh that would have no fewer cells than the next finer one is left
@@ -92,44 +92,48 @@ def sequence(paths, surface, tree, settings, report):
     built, figures = build(surface, tree, settings.cells_per_radius, settings, rings, 1.0)
     report.update(figures)
     meshes, fine = [(built, report, path)], figures["cells"]
-    for path, few in reversed(coarse):
-        built, part = coarser(fine, surface, tree, settings.coarse_cells_per_radius, settings, few, rings / few)
+    for path, coarse_rings in reversed(coarse):
+        built, part = build_coarser(
+            fine, surface, tree, settings.coarse_cells_per_radius, settings, coarse_rings, rings / coarse_rings
+        )
         meshes.append((built, part if built else {"file": pathlib.Path(path).name, **part}, path))
         fine = part["cells"] if built else fine
-    for key, there in (("coarse", True), ("left_out", False)):
-        parts = [part for built, part, _ in meshes[:0:-1] if bool(built) == there]
+    for key, was_built in (("coarse", True), ("left_out", False)):
+        parts = [part for built, part, _ in meshes[:0:-1] if bool(built) == was_built]
         report.update({key: parts} if parts else {})
     return meshes
 
 
-def alone(paths, surface, tree, settings, report):
-    """As `sequence`, but makes the coarsest mesh only, for the last file of `paths`; the others are None.
+def build_coarsest(paths, surface, tree, settings, report):
+    """As `build_sequence`, but makes the coarsest mesh only, for the last file of `paths`; the others are None.
 
     It serves to show the fields of a reduced model.
     """
-    (*others, (path, rings)), few = paths, paths[0][1]
+    (*others, (path, rings)), coarse_rings = paths, paths[0][1]
     cells_per_radius = settings.coarse_cells_per_radius if others else settings.cells_per_radius
-    built, figures = build(surface, tree, cells_per_radius, settings, few, rings / few)
+    built, figures = build(surface, tree, cells_per_radius, settings, coarse_rings, rings / coarse_rings)
     report.update(figures)
     return [(built, report, path), *((None, {}, other) for other, _ in others)]
 
 
-def _unlayered(settings):
+def _layer_warning(settings):
     """Warning, printed too, that setting wall_layers has no effect as nothing is swept. Empty for a single layer."""
     if settings.wall_layers == 1:
         return ""
-    lost = f"no wall_layers, {settings.wall_layers} were asked for: they are of swept stretches, and nothing is swept"
-    print(lost, file=sys.stderr, flush=True)
-    return f"\n{lost}"
+    warning = (
+        f"no wall_layers, {settings.wall_layers} were asked for: they are of swept stretches, and nothing is swept"
+    )
+    print(warning, file=sys.stderr, flush=True)
+    return f"\n{warning}"
 
 
-def _isotropic(surface, tree, sizes, *_):
-    """hybrid.Linear with isotropic tetrahedra everywhere, filled by gmsh."""
+def _isotropic_cells(surface, tree, sizes, *_):
+    """hybrid.LinearMesh with isotropic tetrahedra everywhere, filled by gmsh."""
     points, tetrahedra = volume_mesh.fill(surface, sizes)
     edges, side = surface.edges()
     middles = smooth_surface.edge_middles(surface, edges, side)
     nothing = np.zeros(len(tetrahedra), bool)
-    return hybrid.Linear(points, tetrahedra, nothing, surface.triangles, surface.region, edges, middles, [], [])
+    return hybrid.LinearMesh(points, tetrahedra, nothing, surface.triangles, surface.region, edges, middles, [], [])
 
 
 @dataclasses.dataclass
@@ -137,32 +141,32 @@ class Attempt:
     """One way to make a mesh.
 
     wall(surface, sizes) -> Surface to be filled; cells(wall, tree, sizes, settings, rings, coarsening) ->
-    hybrid.Linear; cost: in words, what this way costs more than the first one.
+    hybrid.LinearMesh; cost: in words, what this way costs more than the first one.
     """
 
     name: str
-    wall: object
-    cells: object
+    make_surface: object
+    make_cells: object
     cost: str
 
 
-COST = (
+ISOTROPIC_COST = (
     "1.5 times the unknowns of a swept mesh of the same settings (62 % lesion); the error is that estimated in ffr.json"
 )
 ATTEMPTS = (
     Attempt("swept", refine.refine, hybrid.build, ""),
-    Attempt("isotropic", refine.refine, _isotropic, COST),
+    Attempt("isotropic", refine.refine, _isotropic_cells, ISOTROPIC_COST),
     # refined facets lie on the smooth surface; in a narrow cleft it may cross itself where the given facets do not
-    Attempt("isotropic, facets as given", lambda surface, _: surface, _isotropic, COST),
+    Attempt("isotropic, facets as given", lambda surface, _: surface, _isotropic_cells, ISOTROPIC_COST),
 )
 
 
-def _checked(mesh, swept):
+def _checked_quality(mesh, swept):
     """Quality figures (curving.quality) of a QuadraticMesh; swept (t,) bool: its swept cells.
 
     Raises ComputationError if cells overlap or the least Jacobian ratio is below LEAST_JACOBIAN_RATIO.
     """
-    folded = overlapping(mesh.tetrahedra[:, :4])
+    folded = count_overlapping(mesh.tetrahedra[:, :4])
     if folded:
         raise ComputationError(
             "volume mesh is not good enough", "cells that overlap", f"{folded} faces", "none may be: it was folded"
@@ -204,16 +208,16 @@ def write(mesh, path):
 
 
 def write_all(meshes, report, path):
-    """Writes `meshes` of `sequence` or `alone`, and `report` with the SHA-256 of each file to `path`.
+    """Writes `meshes` of `build_sequence` or `build_coarsest`, and `report` with the SHA-256 of each file to `path`.
 
     A mesh that is None gets an empty file, since a study's workflow expects every file. All files are written under
     other names before the first is moved into place, the report last. If anything fails, no file is left.
     """
     try:
-        with contextlib.ExitStack() as until_made:  # moves the files into place in reverse order
-            report_made = until_made.enter_context(replacing(path))
+        with contextlib.ExitStack() as replacements:  # moves the files into place in reverse order
+            report_made = replacements.enter_context(replacing(path))
             for built, part, file in meshes:
-                made = until_made.enter_context(replacing(file))
+                made = replacements.enter_context(replacing(file))
                 if built is None:
                     made.touch()
                     continue

@@ -4,7 +4,7 @@ import numpy as np
 
 from flow.geometry.jet import jet_radius
 
-TALLEST = 4.0  # mm: nodes of the background grid further than this from all centrelines get the largest cell size
+GRID_REACH_MM = 4.0  # mm: nodes of the background grid further than this from all centrelines get the largest cell size
 
 
 class SizeField:
@@ -32,7 +32,7 @@ class SizeField:
         shape = np.ceil((high - low) / spacing).astype(int) + 1
         axes = [low[k] + spacing * np.arange(shape[k]) for k in range(3)]
         nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-        index, distance = self.tree.nearest(nodes, TALLEST)
+        index, distance = self.tree.nearest(nodes, GRID_REACH_MM)
         values = np.full(len(nodes), self.size.max())
         near = np.isfinite(distance)
         values[near] = self.size[index[near]]

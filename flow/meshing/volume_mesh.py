@@ -17,7 +17,7 @@ from flow.geometry import curving, tet10
 from flow.meshing import gmsh_fill, slivers
 
 PROGRAM = pathlib.Path(__file__).with_name("gmsh_fill.py")
-# Gamma is 1 for a regular and 0 for a flat tetrahedron (geometry.curving). slivers.split tries to replace
+# Gamma is 1 for a regular and 0 for a flat tetrahedron (geometry.curving). slivers.split_slivers tries to replace
 # cells below WANTED_GAMMA. A cell left below LEAST_GAMMA would spoil the whole solve, so it is refused.
 LEAST_GAMMA, WANTED_GAMMA = 0.02, 0.1
 LEAST_SPACING_MM = 0.25  # least spacing of the grid that hands the cells' sizes to gmsh
@@ -57,8 +57,8 @@ def fill(surface, size_field):
         raise ComputationError("gmsh made no tetrahedra", "volume mesh", 0, "check the surface for self-contact")
     if not np.allclose(points[: len(surface.points)], surface.points, rtol=0, atol=1e-12):
         raise ComputationError("gmsh moved the surface", "volume mesh", "vertices differ", "report this surface")
-    cells = tet10.positive(points, tetrahedra)
-    points, tetrahedra = slivers.split(points, cells, surface.edges()[0], WANTED_GAMMA)
+    cells = tet10.orient_positive(points, tetrahedra)
+    points, tetrahedra = slivers.split_slivers(points, cells, surface.edges()[0], WANTED_GAMMA)
     worst = int(np.argmin(curving.gamma(points[tetrahedra])))
     gamma = float(curving.gamma(points[tetrahedra[worst]][None])[0])
     if not gamma >= LEAST_GAMMA:

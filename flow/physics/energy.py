@@ -23,8 +23,10 @@ def balance(problem):
     outflows = boundaries.outflows(problem.state_vector())
     problem.residual_norm()  # sets mean_inlet_pressure
     pressure_in = problem.mean_inlet_pressure * problem.inflow
-    inlet = pressure_in - power(forms.kinetic(PHYSICAL_INLET))
-    outlets = float(boundaries.pressures(outflows) @ outflows) + power(forms.kinetic(tuple(problem.space.outlets)))
+    inlet = pressure_in - power(forms.kinetic_energy_flow(PHYSICAL_INLET))
+    outlets = float(boundaries.pressures(outflows) @ outflows) + power(
+        forms.kinetic_energy_flow(tuple(problem.space.outlet_tags))
+    )
     return {
         "inlet_w": inlet,
         "outlets_w": outlets,

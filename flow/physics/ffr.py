@@ -13,14 +13,18 @@ from common.errors import ComputationError, InputError
 from flow.geometry import locate
 from flow.physics.units import M_PER_MM
 
-SPACING_MM = 0.5  # distance of the points of the pull-back along a branch
-AROUND_MM = 1.0  # the slope of FFR at a probe is that within this distance along the branch
-RISING = 5e-4  # rise of FFR per mm: with a steeper slope the third decimal depends on the probe's exact place
+PULLBACK_SPACING_MM = 0.5  # distance of the points of the pull-back along a branch
+SLOPE_WINDOW_MM = 1.0  # the slope of FFR at a probe is that within this distance along the branch
+LARGEST_SLOPE_PER_MM = (
+    5e-4  # rise of FFR per mm: with a steeper slope the third decimal depends on the probe's exact place
+)
 # Largest distances of a probe in local radii: from the centreline, beyond which it belongs to another vessel (in the
 # study up to .25), and along the vessel from its `s_mm`, beyond which it is misplaced (in the study up to .66).
-FAR = 2.0
-ALONG = 4.0
-ASIDE = 0.5  # local radii: a probe moved further gets a warning; a stent's deployment moves the axis by up to .15
+PROBE_DISTANCE_RADII = 2.0
+PROBE_SHIFT_RADII = 4.0
+WARNED_DISTANCE_RADII = (
+    0.5  # local radii: a probe moved further gets a warning; a stent's deployment moves the axis by up to .15
+)
 
 
 def reference_pa(document, tree, sampler):
@@ -33,14 +37,14 @@ def reference_pa(document, tree, sampler):
     return float(sampler(tree.main.point(0.0)[None] * M_PER_MM)[1][0])
 
 
-def along(branch):
+def pullback_places(branch):
     """Arc lengths s_mm (n,) of the points of the pull-back along a branch."""
-    return np.linspace(0, branch.length_mm, max(2, int(round(branch.length_mm / SPACING_MM)) + 1))
+    return np.linspace(0, branch.length_mm, max(2, int(round(branch.length_mm / PULLBACK_SPACING_MM)) + 1))
 
 
-def along_branch(branch, sampler):
+def pressure_along(branch, sampler):
     """(s_mm (n,), points_mm (n, 3), pressure (n,) in Pa) of the pull-back's points that lie inside the mesh."""
-    s = along(branch)
+    s = pullback_places(branch)
     points = branch.point(s)
     _, pressure, inside = sampler(points * M_PER_MM)
     return s[inside], points[inside], pressure[inside]
@@ -50,7 +54,7 @@ def pullback(tree, sampler, reference, flow_at):
     """Table of pullback.csv. reference: in Pa, from `reference_pa`; flow_at(branch name, s_mm) -> flow in m3/s."""
     tables = []
     for branch in tree:
-        s, points, pressure = along_branch(branch, sampler)
+        s, points, pressure = pressure_along(branch, sampler)
         tables.append(
             pd.DataFrame(
                 {
@@ -69,28 +73,29 @@ def pullback(tree, sampler, reference, flow_at):
     return pd.concat(tables, ignore_index=True)
 
 
-def _projected(probe, tree):
+def _project_probe(probe, tree):
     """(branch, s_mm, shift_mm): the point of this state's centreline that is nearest to a probe of boundary.json.
 
-    shift_mm is its distance from the probe. Raises InputError where that is above FAR, or s_mm is off by over ALONG.
+    shift_mm is its distance from the probe. Raises InputError where that is above PROBE_DISTANCE_RADII, or s_mm is off
+    by over PROBE_SHIFT_RADII.
     """
-    branch, s_mm, shift = tree.place_of(probe)
-    if shift > FAR * branch.radius(s_mm):
+    branch, s_mm, shift = tree.project_probe(probe)
+    if shift > PROBE_DISTANCE_RADII * branch.radius(s_mm):
         remedy = "boundary.json and centreline of one patient, both in mm"
         raise InputError(
             "probe is far from this state's vessel", f"probe {probe['name']}", f"{shift:.2f} mm", f"give {remedy}"
         )
     planned = probe.get("s_mm", s_mm)
-    if abs(s_mm - planned) > ALONG * branch.radius(s_mm):
+    if abs(s_mm - planned) > PROBE_SHIFT_RADII * branch.radius(s_mm):
         value, remedy = f"{s_mm:.4g} mm, its s_mm says {planned:.4g}", "give point_mm and s_mm of one place, both in mm"
         raise InputError("probe lies at another place along the vessel", f"probe {probe['name']}", value, remedy)
     return branch, s_mm, shift
 
 
 def check_probes(probes, tree):
-    """Raises InputError for a probe of boundary.json that does not belong to the tree (`_projected`)."""
+    """Raises InputError for a probe of boundary.json that does not belong to the tree (`_project_probe`)."""
     for probe in probes:
-        _projected(probe, tree)
+        _project_probe(probe, tree)
 
 
 def check_inside(probes, tree, space):
@@ -98,7 +103,7 @@ def check_inside(probes, tree, space):
 
     space: discretisation.spaces.LumenSpace on that mesh.
     """
-    projected = [_projected(probe, tree) for probe in probes]
+    projected = [_project_probe(probe, tree) for probe in probes]
     places = np.array([branch.point(s_mm) for branch, s_mm, _ in projected])
     _, _, inside = locate.Locator(*space.nodes()).find(places * M_PER_MM)
     for probe, place, found in zip(probes, places, inside):
@@ -114,7 +119,7 @@ def at_probes(document, tree, sampler):
     """
     found, reference = [], reference_pa(document, tree, sampler)
     for probe in document["probes"]:
-        branch, s_mm, shift = _projected(probe, tree)
+        branch, s_mm, shift = _project_probe(probe, tree)
         point = branch.point(s_mm)
         _, pressure, inside = sampler(point[None] * M_PER_MM)
         if not inside[0]:
@@ -134,8 +139,8 @@ def at_probes(document, tree, sampler):
     return found
 
 
-def at_ends(names, pressures, case, sampler, reference):
-    """[FFR] at the outlets `names`. pressures: in Pa at the mesh's outlets; case: reduced.extended.Extended.
+def at_outlets(names, pressures, case, sampler, reference):
+    """[FFR] at the outlets `names`. pressures: in Pa at the mesh's outlets; case: reduced.extended.ExtendedLumen.
 
     At an outlet with an extension, FFR is read where the vessel ends without it.
     """
@@ -144,49 +149,49 @@ def at_ends(names, pressures, case, sampler, reference):
     found = []
     for name, pressure in zip(names, pressures):
         if name in ends:
-            branch = case.original[ends[name]]
+            branch = case.original_tree[ends[name]]
             pressure = sampler(branch.point(branch.length_mm)[None] * M_PER_MM)[1][0]
         found.append(float(pressure / reference))
     return found
 
 
-def displaced(probes, tree, table):
+def displacement_warnings(probes, tree, table):
     """Warnings, printed too, that the centreline may be another lumen's.
 
-    They name probes (entries of `at_probes`) that were moved by more than ASIDE, and branches that leave the mesh.
-    table: that of `pullback`.
+    They name probes (entries of `at_probes`) that were moved by more than WARNED_DISTANCE_RADII, and branches that
+    leave the mesh. table: that of `pullback`.
     """
     found = []
     for probe in probes:
         radius = tree[probe["branch"]].radius(probe["s_mm"])
-        if probe["shift_mm"] > ASIDE * radius:
+        if probe["shift_mm"] > WARNED_DISTANCE_RADII * radius:
             found.append(
                 f"the probe {probe['name']} lies {probe['shift_mm']:.2f} mm, {probe['shift_mm'] / radius:.2f} radii,"
                 " beside this state's centreline and was moved there; is it of this patient?"
             )
     for branch in tree:
-        asked, left = len(along(branch)), int((table["branch"] == branch.name).sum())
-        if left < asked:
+        wanted, inside = len(pullback_places(branch)), int((table["branch"] == branch.name).sum())
+        if inside < wanted:
             found.append(
-                f"{asked - left} of {asked} points of the centreline of {branch.name} lie outside the mesh and are left"
-                " out of pullback.csv; is it the centreline of this lumen?"
+                f"{wanted - inside} of {wanted} points of the centreline of {branch.name} lie outside the mesh and are"
+                " left out of pullback.csv; is it the centreline of this lumen?"
             )
-    for said in found:
-        print(said, file=sys.stderr, flush=True)
+    for warning in found:
+        print(warning, file=sys.stderr, flush=True)
     return found
 
 
-def rising(probes, table):
-    """Warnings, printed too: one for each probe at which FFR rises by more than RISING along the vessel.
+def slope_warnings(probes, table):
+    """Warnings, printed too: one for each probe at which FFR rises by more than LARGEST_SLOPE_PER_MM along the vessel.
 
     probes: entries of `at_probes`; table: that of `pullback`. FFR rises behind a narrowing until the jet has
     reattached, and where a side branch takes flow.
     """
     found = []
     for probe in probes:
-        line = table[(table["branch"] == probe["branch"]) & ((table["s_mm"] - probe["s_mm"]).abs() <= AROUND_MM)]
+        line = table[(table["branch"] == probe["branch"]) & ((table["s_mm"] - probe["s_mm"]).abs() <= SLOPE_WINDOW_MM)]
         slope = np.polyfit(line["s_mm"], line["ffr"], 1)[0] if len(line) > 1 else 0.0
-        if slope > RISING:
+        if slope > LARGEST_SLOPE_PER_MM:
             found.append(
                 f"FFR at the probe {probe['name']} depends on its place: it still rises by {slope:.4f} a mm, as behind"
                 " a narrowing whose jet has not reattached; a probe further on reads more"

@@ -11,7 +11,7 @@ Strong form, with outward normal n:
 profile leaves through an outlet undisturbed.
 
 In the functions below u, p are velocity (m/s) and pressure (Pa), v, q their test functions, and w the convecting
-velocity, all UFL expressions. `fluid` is a Fluid, `on` a Domain.
+velocity, all UFL expressions. `fluid` is a Fluid, `domain` a Domain.
 """
 
 import dataclasses
@@ -22,7 +22,7 @@ from flow.physics import viscosity as viscosities
 
 # Speed in m/s and shear rate in 1/s that are added in squares under the roots of |u| and |D|, so that these can be
 # differentiated at rest.
-SLOWEST, SMALLEST_RATE = 1e-4, 0.1
+SPEED_FLOOR, SHEAR_RATE_FLOOR = 1e-4, 0.1
 
 
 @dataclasses.dataclass
@@ -49,67 +49,67 @@ class Domain:
     width: object
 
 
-def residual(u, p, v, q, fluid, on):
+def residual(u, p, v, q, fluid, domain):
     """The steady equations of (u, p) tested with (v, q)."""
-    return oseen(u, u, p, v, q, fluid, on)
+    return oseen(u, u, p, v, q, fluid, domain)
 
 
-def oseen(w, u, p, v, q, fluid, on):
+def oseen(w, u, p, v, q, fluid, domain):
     """The equations of (u, p) with the velocity w as the convecting velocity and in the viscosity: linear in (u, p)."""
     return (
-        friction(w, u, v, fluid, on)
-        + dilatation(u, v, fluid, on)
-        + continuity(u, p, v, q, on)
-        + convection(w, u, v, fluid, on)
-        + backflow(w, u, v, fluid, on)
+        friction(w, u, v, fluid, domain)
+        + dilatation(u, v, fluid, domain)
+        + continuity(u, p, v, q, domain)
+        + convection(w, u, v, fluid, domain)
+        + backflow(w, u, v, fluid, domain)
     )
 
 
-def convection(w, u, v, fluid, on):
+def convection(w, u, v, fluid, domain):
     """rho ((w.grad) u + 1/2 (div w) u, v). Discrete flows have div w not exactly 0; the second part keeps energy
     conserved."""
-    return fluid.density * ufl.inner(ufl.dot(ufl.grad(u), w) + 0.5 * ufl.div(w) * u, v) * on.dx
+    return fluid.density * ufl.inner(ufl.dot(ufl.grad(u), w) + 0.5 * ufl.div(w) * u, v) * domain.dx
 
 
-def friction(w, u, v, fluid, on):
+def friction(w, u, v, fluid, domain):
     """mu (grad u, grad v) for a Newtonian fluid.
 
     Where mu depends on the shear rate of w, it is 2 mu (D(u), D(v)) minus <mu (grad u)^T n, v> on the caps. The second
     term keeps the traction sigma n on the caps that of the pseudo-stress.
     """
     if isinstance(fluid.viscosity, viscosities.Newtonian):
-        return fluid.viscosity.value * ufl.inner(ufl.grad(u), ufl.grad(v)) * on.dx
+        return fluid.viscosity.value * ufl.inner(ufl.grad(u), ufl.grad(v)) * domain.dx
     mu = fluid.viscosity(shear_rate(w))
-    within = 2 * mu * ufl.inner(ufl.sym(ufl.grad(u)), ufl.sym(ufl.grad(v))) * on.dx
-    return within - mu * ufl.dot(ufl.dot(ufl.grad(u).T, on.n), v) * on.caps
+    within = 2 * mu * ufl.inner(ufl.sym(ufl.grad(u)), ufl.sym(ufl.grad(v))) * domain.dx
+    return within - mu * ufl.dot(ufl.dot(ufl.grad(u).T, domain.n), v) * domain.caps
 
 
-def continuity(u, p, v, q, on):
+def continuity(u, p, v, q, domain):
     """-(q, div u) of the continuity equation, and -(p, div v), the pressure gradient in the momentum equation."""
-    return -(p * ufl.div(v) + q * ufl.div(u)) * on.dx
+    return -(p * ufl.div(v) + q * ufl.div(u)) * domain.dx
 
 
-def dilatation(u, v, fluid, on):
+def dilatation(u, v, fluid, domain):
     """gamma (div u, div v), the grad-div term: it improves the local mass balance."""
-    return fluid.grad_div * ufl.div(u) * ufl.div(v) * on.dx
+    return fluid.grad_div * ufl.div(u) * ufl.div(v) * domain.dx
 
 
-def backflow(w, u, v, fluid, on):
+def backflow(w, u, v, fluid, domain):
     """-beta rho <(w.n)_- u, v> on the outlets. With beta = 1/2 blood that flows back in brings no kinetic energy."""
-    inward = 0.5 * (ufl.dot(w, on.n) - abs(ufl.dot(w, on.n)))
-    return -fluid.density * fluid.backflow * inward * ufl.inner(u, v) * on.outlets
+    inward = 0.5 * (ufl.dot(w, domain.n) - abs(ufl.dot(w, domain.n)))
+    return -fluid.density * fluid.backflow * inward * ufl.inner(u, v) * domain.outlets
 
 
-def artificial(w, u, v, eps, fluid, on, dx):
+def artificial_viscosity(w, u, v, eps, fluid, domain, dx):
     """eps rho h (|w| grad u, grad v): an artificial viscosity in proportion to the width h of a cell.
 
     dx: its UFL measure. solvers.continuation lowers eps to 0 if it can.
     """
-    speed = ufl.sqrt(ufl.inner(w, w) + SLOWEST**2)
-    return eps * fluid.density * on.width * speed * ufl.inner(ufl.grad(u), ufl.grad(v)) * dx
+    speed = ufl.sqrt(ufl.inner(w, w) + SPEED_FLOOR**2)
+    return eps * fluid.density * domain.width * speed * ufl.inner(ufl.grad(u), ufl.grad(v)) * dx
 
 
 def shear_rate(u):
-    """Shear rate sqrt(2 D(u):D(u)) in 1/s, with SMALLEST_RATE so that it can be differentiated at rest."""
+    """Shear rate sqrt(2 D(u):D(u)) in 1/s, with SHEAR_RATE_FLOOR so that it can be differentiated at rest."""
     shear = ufl.sym(ufl.grad(u))
-    return ufl.sqrt(2 * ufl.inner(shear, shear) + SMALLEST_RATE**2)
+    return ufl.sqrt(2 * ufl.inner(shear, shear) + SHEAR_RATE_FLOOR**2)

@@ -12,7 +12,7 @@ from flow.geometry.tags import PHYSICAL_INLET, physical_tag
 from flow.physics.units import M_PER_MM
 
 
-def check_places(space, document, tree, where):
+def check_outlet_places(space, document, tree, where):
     """Raises InputError unless each outlet of the mesh file `where` lies at the end of its branch.
 
     An outlet must be nearer to that end than to the tree's other ends and its inlet. Otherwise mesh and boundary values
@@ -40,34 +40,34 @@ class Boundaries:
     def __init__(self, space, document):
         self.space = space
         outlets = {physical_tag(outlet["region_id"]): outlet for outlet in document["outlets"]}
-        if sorted(outlets) != space.outlets:
-            have, need = space.outlets, sorted(outlets)
+        if sorted(outlets) != space.outlet_tags:
+            have, need = space.outlet_tags, sorted(outlets)
             raise InputError(
                 "mesh and boundary values differ", "outlets", f"mesh {have}, boundary {need}", "match them"
             )
-        self.names = [outlets[tag]["name"] for tag in space.outlets]
-        self.full_resistance = np.array([outlets[tag]["resistance_pa_s_per_m3"] for tag in space.outlets])
+        self.outlet_names = [outlets[tag]["name"] for tag in space.outlet_tags]
+        self.full_resistance = np.array([outlets[tag]["resistance_pa_s_per_m3"] for tag in space.outlet_tags])
         self.map_pa = document["map_pa"]
         venous = document["venous_pressure_pa"]
-        self.full_downstream = np.array([outlets[tag].get("pressure_pa", venous) for tag in space.outlets])
+        self.full_downstream = np.array([outlets[tag].get("pressure_pa", venous) for tag in space.outlet_tags])
         self.full_inflow = document.get("inlet_flow_m3_per_s")
         self.profile = space.inlet_profile()
-        self.flux = [space.flux_vector(tag) for tag in space.outlets]
+        self.flux_vectors = [space.flux_vector(tag) for tag in space.outlet_tags]
         self.inlet_area = space.area(PHYSICAL_INLET)
-        self.full()
+        self.set_full_flow()
 
-    def full(self):
-        """Sets the conditions of boundary.json, also after `lower` has changed them."""
+    def set_full_flow(self):
+        """Sets the conditions of boundary.json, also after `set_flow_fraction` has changed them."""
         self.resistance, self.downstream = self.full_resistance.copy(), self.full_downstream.copy()
         self.inflow = self.full_inflow
 
-    def lower(self, fraction, resistances_at):
+    def set_flow_fraction(self, fraction, resistances_at):
         """Sets conditions under which about `fraction` of the full flow passes.
 
         resistances_at(fraction) -> outlet resistances (n,) in Pa s/m3, used if the inlet is at MAP and every outlet has
         a resistance.
         """
-        self.full()
+        self.set_full_flow()
         if self.inflow is not None:
             self.inflow *= fraction
         elif (self.resistance > 0).all():
@@ -76,7 +76,7 @@ class Boundaries:
             self.resistance /= fraction
             self.downstream = self.map_pa - fraction * (self.map_pa - self.downstream)
 
-    def load(self, columns):
+    def pressure_load(self, columns):
         """Norm in N of the pressure load at rest: MAP on the inlet, P_v or the given pressure on the outlets.
 
         columns: [flux vector of outlet i, at the free dofs]. Residuals are compared with this load.
@@ -86,7 +86,7 @@ class Boundaries:
 
     def outflows(self, vector):
         """Flow (n,) in m3/s through the outlets; vector: PETSc vector of a state over W."""
-        return np.array([flux.dot(vector) for flux in self.flux])
+        return np.array([flux.dot(vector) for flux in self.flux_vectors])
 
     def pressures(self, outflows):
         """Outlet pressures P_i (n,) in Pa at outflows (n,) in m3/s."""
@@ -94,5 +94,5 @@ class Boundaries:
 
     def destroy(self):
         """Frees PETSc's memory."""
-        for vector in self.flux:
+        for vector in self.flux_vectors:
             vector.destroy()

@@ -39,7 +39,7 @@ class CarreauYasuda:
         return self.infinite_shear + (self.zero_shear - self.infinite_shear) * thinning
 
 
-def of(document, where="boundary.json"):
+def from_document(document, where="boundary.json"):
     """Newtonian or CarreauYasuda of the document of boundary.json.
 
     It follows `viscosity` there, or the constant `viscosity_pa_s` if that is missing. Raises InputError.

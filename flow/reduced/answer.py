@@ -8,32 +8,32 @@ from common.errors import ComputationError
 from flow.discretisation import spaces
 from flow.solvers import solved_mesh
 
-NAMES = {
+MODEL_NAMES = {
     "axisymmetric": "axisymmetric Navier-Stokes in branch {branch}, 1D network elsewhere",
     "network": "1D network",
 }
 
 # Largest |FFR of the 3D model minus FFR of the reduced model| in the nine patients' trees, rounded up. The first value
-# holds where the reduced model's FFR is at least MILD, the second below it. Unrounded they are .055 and .106
+# holds where the reduced model's FFR is at least MILD_FFR, the second below it. Unrounded they are .055 and .106
 # (axisymmetric), .058 and .056 (network); see measured.md.
-ELSEWHERE = {"axisymmetric": (0.06, 0.11), "network": (0.06, 0.06)}
-MILD = 0.85
+ERROR_IN_OTHER_PATIENTS = {"axisymmetric": (0.06, 0.11), "network": (0.06, 0.06)}
+MILD_FFR = 0.85
 
 # The measured error of each model's FFR, as words for a warning. The errors with one lesion are from measured.md. The
 # error with two is from tandem_60 (tests/verification/flow/hard_cases.py): the network had .7109, the reference .7344.
-MEASURED = {
+MEASURED_ERROR_WORDS = {
     "axisymmetric": "within .0002 of an independent solution in straight round tubes with lesions of 62 to 90 %",
     "network": "up to .01 above an independent solution in straight round tubes with one lesion of 62 to 90 %, .02"
     " below it with two",
 }
 
 
-def unknown_error(model):
+def unknown_error_warning(model):
     """[warning], printed too, that the error of this FFR is not known. It quotes the model's error in other lumens."""
-    trees = f"up to {max(ELSEWHERE[model]):.2f} above the 3D model in trees, which bend and branch"
-    said = f"the error of this FFR is not known; the {model} model was {MEASURED[model]}, and {trees}"
-    print(said, file=sys.stderr, flush=True)
-    return [said]
+    trees = f"up to {max(ERROR_IN_OTHER_PATIENTS[model]):.2f} above the 3D model in trees, which bend and branch"
+    warning = f"the error of this FFR is not known; the {model} model was {MEASURED_ERROR_WORDS[model]}, and {trees}"
+    print(warning, file=sys.stderr, flush=True)
+    return [warning]
 
 
 class Sampler:
@@ -43,38 +43,42 @@ class Sampler:
     On the wall this velocity is set to 0.
     """
 
-    def __init__(self, predicted, space):
-        self.predicted = predicted
-        self.velocity, self.pressure = predicted.fields(space.nodes()[0])
+    def __init__(self, predictor, space):
+        self.predictor = predictor
+        self.velocity, self.pressure = predictor.fields(space.nodes()[0])
         self.velocity[space.wall_nodes()] = 0.0
 
     def __call__(self, points):
         """(velocity (m, 3) in m/s, pressure (m,) in Pa, inside (m,) always True) at points (m, 3) in m."""
-        velocity, pressure = self.predicted.fields(points)
+        velocity, pressure = self.predictor.fields(points)
         return velocity, pressure, np.ones(len(points), bool)
 
 
-class Reduced:
+class ReducedAnswer:
     """The answer of the reduced model `model`, with its fields on the mesh file `path`.
 
-    It has the attributes of a solvers.solved_mesh.Solved that flow.solve reads. predicted: reduced.coupled.Predictor.
-    Raises ComputationError where the axisymmetric model has no answer.
+    It has the attributes of a solvers.solved_mesh.SolvedMesh that flow.solve reads. predictor:
+    reduced.coupled.Predictor. Raises ComputationError where the axisymmetric model has no answer.
     """
 
     status, estimate = solved_mesh.CONVERGED, None
 
-    def __init__(self, model, predicted, path):
+    def __init__(self, model, predictor, path):
         self.space = spaces.read(path)
-        if model == "axisymmetric" and predicted.tube is None:
+        if model == "axisymmetric" and predictor.tube is None:
             raise ComputationError(
-                "the axisymmetric model has no answer", "model", predicted.reason, "use another model"
+                "the axisymmetric model has no answer", "model", predictor.reason, "use another model"
             )
-        network = predicted.network
-        self.sampler = Sampler(predicted, self.space)
-        self.model = NAMES[model].format(branch=predicted.branch.name)
-        self.names, self.outflows, self.inflow = network.names, predicted.flows, float(predicted.flows.sum())
-        self.pressures = [predicted.pressures[outlet["branch"]][1][-1] for outlet in network.outlets]
-        self.dofs = predicted.tube.dofs if predicted.tube else len(network.segments)
+        network = predictor.network
+        self.sampler = Sampler(predictor, self.space)
+        self.model = MODEL_NAMES[model].format(branch=predictor.branch.name)
+        self.outlet_names, self.outflows, self.inflow = (
+            network.outlet_names,
+            predictor.flows,
+            float(predictor.flows.sum()),
+        )
+        self.pressures = [predictor.pressures[outlet["branch"]][1][-1] for outlet in network.outlets]
+        self.dofs = predictor.tube.dofs if predictor.tube else len(network.segments)
 
     def destroy(self):
         """Does nothing, since the caller destroys the Predictor. flow.solve calls `destroy` of every answer."""

@@ -23,18 +23,18 @@ from common import fenicsx
 from common.errors import ComputationError
 from flow.discretisation import compat
 from flow.physics import viscosity as viscosities
-from flow.physics.navier_stokes import SMALLEST_RATE
+from flow.physics.navier_stokes import SHEAR_RATE_FLOOR
 from flow.physics.units import M3_PER_S_PER_ML_PER_MIN
 
-ACROSS = 10  # cells along a radius
+CELLS_ACROSS = 10  # cells along a radius
 INLET, OUTLET = 1, 2
 QUADRATURE_DEGREE = 7
 # Fractions of the full inflow: the first one solved from rest, and the least step between two of them.
 FIRST_FRACTION, SHORTEST_STEP = 0.1, 0.02
-MOST_STEPS = 10  # iterations of Newton's method at one inflow
+MOST_NEWTON_STEPS = 10  # iterations of Newton's method at one inflow
 # Newton's method has converged when its update of the axial velocity, over that velocity, is below this: at fractions
 # of the full inflow, and at the full inflow.
-ON_THE_WAY, ACCURATE = 1e-3, 1e-8
+INTERMEDIATE_TOLERANCE, FINAL_TOLERANCE = 1e-3, 1e-8
 
 
 class Tube:
@@ -45,21 +45,21 @@ class Tube:
     """
 
     def __init__(self, s, radius, leaks, density, viscosity, backflow):
-        self.s, self.radius, self.rho = s, radius, np.linspace(0, 1, 2 * ACROSS + 1)
+        self.s, self.radius, self.rho = s, radius, np.linspace(0, 1, 2 * CELLS_ACROSS + 1)
         self.domain = _domain(s, radius, self.rho)
         velocity, pressure = compat.vector_element(self.domain, 2), compat.scalar_element(self.domain, 1)
         self.W = compat.function_space(self.domain, compat.mixed_element(velocity, pressure))
         self.state = fem.Function(self.W)
-        self._number()
-        self._hold(leaks)
-        self._compile(density, viscosity, backflow)
-        self.solved_at = None
+        self._number_dofs()
+        self._prescribe(leaks)
+        self._compile_forms(density, viscosity, backflow)
+        self.solved_inflow = None
         self.ksp = PETSc.KSP().create(MPI.COMM_SELF)
         self.ksp.setType("preonly")
         self.ksp.getPC().setType("lu")
         self.ksp.getPC().setFactorSolverType("mumps")
 
-    def _number(self):
+    def _number_dofs(self):
         """Sets arrays with the dof numbers of u_x and u_r at all nodes, and of p at the cells' corners.
 
         Rows are places along the tube, columns places from the axis to the wall.
@@ -70,8 +70,8 @@ class Tube:
         def place(space, step):
             x = space.tabulate_dof_coordinates()
             along = np.searchsorted(0.5 * (self.s[1:] + self.s[:-1]), x[:, 0])
-            across = np.rint(x[:, 1] / self.radius[along] * 2 * ACROSS).astype(int)
-            grid = np.empty(((len(self.s) - 1) // step + 1, 2 * ACROSS // step + 1), int)
+            across = np.rint(x[:, 1] / self.radius[along] * 2 * CELLS_ACROSS).astype(int)
+            grid = np.empty(((len(self.s) - 1) // step + 1, 2 * CELLS_ACROSS // step + 1), int)
             grid[along // step, across // step] = np.arange(len(x))
             return grid
 
@@ -79,27 +79,27 @@ class Tube:
         self.u_x, self.u_r = (np.asarray(v_map)[2 * grid + k] for k in (0, 1))
         self.p = np.asarray(q_map)[place(Q, 2)]
 
-    def _hold(self, leaks):
+    def _prescribe(self, leaks):
         """Sets the dofs with prescribed values, and these values for an inflow and for leaks of 1 m3/s each.
 
         Prescribed are both velocities at inlet and wall, and the radial velocity on the axis.
         """
-        self.fixed = np.unique(
+        self.prescribed_dofs = np.unique(
             np.concatenate([self.u_x[0], self.u_r[0], self.u_x[:, -1], self.u_r[:, -1], self.u_r[:, 0]])
         )
-        self.of_inflow = np.zeros_like(self.state.x.array)
-        self.of_inflow[self.u_x[0]] = 2.0 * (1.0 - self.rho**2) / (np.pi * self.radius[0] ** 2)
-        self.of_leaks = []
+        self.inflow_values = np.zeros_like(self.state.x.array)
+        self.inflow_values[self.u_x[0]] = 2.0 * (1.0 - self.rho**2) / (np.pi * self.radius[0] ** 2)
+        self.leak_values = []
         for centre, length in leaks:
             x = np.clip((self.s - centre) / length, -0.5, 0.5)
             shape = np.cos(np.pi * x) ** 2
             shape[[0, -1]] = 0.0
             shape /= max(np.sum(0.5 * (shape[1:] + shape[:-1]) * np.diff(self.s)), 1e-300)
-            values = np.zeros_like(self.of_inflow)
+            values = np.zeros_like(self.inflow_values)
             values[self.u_r[:, -1]] = shape / (2.0 * np.pi * self.radius)
-            self.of_leaks.append(values)
+            self.leak_values.append(values)
 
-    def _compile(self, density, viscosity, backflow):
+    def _compile_forms(self, density, viscosity, backflow):
         """Compiles the residual of the equations above and its tangent."""
         (u, p), (v, q) = ufl.split(self.state), ufl.TestFunctions(self.W)
         r, n = ufl.SpatialCoordinate(self.domain)[1], ufl.FacetNormal(self.domain)
@@ -117,7 +117,7 @@ class Tube:
             friction = viscosity.value * (ufl.inner(ufl.grad(u), ufl.grad(v)) + u[1] * v[1] / r**2) * r * dx
         else:
             shear = ufl.sym(ufl.grad(u))
-            mu = viscosity(ufl.sqrt(2 * (ufl.inner(shear, shear) + (u[1] / r) ** 2) + SMALLEST_RATE**2))
+            mu = viscosity(ufl.sqrt(2 * (ufl.inner(shear, shear) + (u[1] / r) ** 2) + SHEAR_RATE_FLOOR**2))
             friction = 2 * mu * (ufl.inner(shear, ufl.sym(ufl.grad(v))) + u[1] * v[1] / r**2) * r * dx
             friction -= mu * ufl.dot(ufl.dot(ufl.grad(u).T, n), v) * r * outlet
         convection = density * ufl.inner(ufl.dot(ufl.grad(u), u) + 0.5 * div(u) * u, v)
@@ -126,35 +126,42 @@ class Tube:
         residual -= backflow * density * inward * ufl.inner(u, v) * r * outlet
         self.residual = compat.form(residual)
         self.tangent = compat.form(ufl.derivative(residual, self.state))
-        self.condition = fem.dirichletbc(fem.Function(self.W), self.fixed.astype(np.int32))
+        self.condition = fem.dirichletbc(fem.Function(self.W), self.prescribed_dofs.astype(np.int32))
         self.matrix = fem_petsc.create_matrix(self.tangent)
 
-    def solve(self, inflow, leaked):
-        """Sets `state` to the flow with the inflow `inflow` and the outflows `leaked` into the side branches (m3/s).
+    def solve(self, inflow, leak_flows):
+        """Sets `state` to the flow with the inflow `inflow` and the outflows `leak_flows` into the side branches
+        (m3/s).
 
         Newton's method starts from the flow of the last call, scaled to this inflow. In the first call, or where this
         fails, the inflow is raised from rest in steps. A step is halved where Newton's method fails, doubled after a
         success. Raises ComputationError where a step gets below SHORTEST_STEP.
         """
-        held = inflow * self.of_inflow + sum((q * one for q, one in zip(leaked, self.of_leaks)), 0.0 * self.of_inflow)
-        reached, step = (0.0, FIRST_FRACTION) if self.solved_at is None else (self.solved_at / inflow, 1.0)
+        prescribed = inflow * self.inflow_values + sum(
+            (q * one for q, one in zip(leak_flows, self.leak_values)), 0.0 * self.inflow_values
+        )
+        last_fraction, step = (
+            (0.0, FIRST_FRACTION) if self.solved_inflow is None else (self.solved_inflow / inflow, 1.0)
+        )
         values = self.state.x.array
         while True:
             before = values.copy()
-            fraction = min(reached + step, 1.0) if self.solved_at is None else 1.0
-            if reached > 0:
-                values *= fraction / reached
-                values[self.p] *= fraction / reached  # second factor: a jet's losses grow with the square of the flow
-            values[self.fixed] = fraction * held[self.fixed]
-            if self._newton(ACCURATE if fraction == 1.0 else ON_THE_WAY):
+            fraction = min(last_fraction + step, 1.0) if self.solved_inflow is None else 1.0
+            if last_fraction > 0:
+                values *= fraction / last_fraction
+                values[self.p] *= (
+                    fraction / last_fraction
+                )  # second factor: a jet's losses grow with the square of the flow
+            values[self.prescribed_dofs] = fraction * prescribed[self.prescribed_dofs]
+            if self._newton(FINAL_TOLERANCE if fraction == 1.0 else INTERMEDIATE_TOLERANCE):
                 if fraction == 1.0:
-                    self.solved_at = inflow
+                    self.solved_inflow = inflow
                     return
-                reached, step = fraction, 2.0 * step
+                last_fraction, step = fraction, 2.0 * step
                 continue
             values[:], step = before, 0.5 * step
-            if self.solved_at is not None:
-                values[:], self.solved_at, reached, step = 0.0, None, 0.0, FIRST_FRACTION
+            if self.solved_inflow is not None:
+                values[:], self.solved_inflow, last_fraction, step = 0.0, None, 0.0, FIRST_FRACTION
             elif step < SHORTEST_STEP:
                 raise ComputationError(
                     "the axisymmetric model found no steady flow",
@@ -169,12 +176,12 @@ class Tube:
         It has converged when the norm of the update of u_x is below `accuracy` times the norm of u_x.
         """
         values, last = self.state.x.array, np.inf
-        for _ in range(MOST_STEPS):
+        for _ in range(MOST_NEWTON_STEPS):
             b = fem_petsc.assemble_vector(self.residual)
             self.matrix.zeroEntries()
             fem_petsc.assemble_matrix(self.matrix, self.tangent, bcs=[self.condition])
             self.matrix.assemble()
-            b.array[self.fixed] = 0.0
+            b.array[self.prescribed_dofs] = 0.0
             update = b.duplicate()
             self.ksp.setOperators(self.matrix)
             self.ksp.solve(b, update)

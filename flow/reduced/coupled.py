@@ -18,11 +18,15 @@ from flow.physics.units import M3_PER_S_PER_ML_PER_MIN, M_PER_MM
 from flow.reduced.axisymmetric import Tube
 from flow.meshing.sweep import stations
 
-FINER = 0.5  # length of a cell of the axisymmetric model over the distance of sections in the swept 3D mesh
-# Most repetitions of the coupling. It ends when no outlet's flow changes by more than SAME_FLOW of the total flow.
-MOST_ROUNDS, SAME_FLOW = 12, 1e-5
-LEFT = 1.0  # a side branch is outside its parent when its axis is this many parent radii from the parent's axis
-SHORTEST = 4.0  # least length, over the radius at its start, of a branch that gets an axisymmetric model
+CELL_LENGTH_FACTOR = (
+    0.5  # length of a cell of the axisymmetric model over the distance of sections in the swept 3D mesh
+)
+# Most repetitions of the coupling. It ends when no outlet's flow changes by more than FLOW_TOLERANCE of the total flow.
+MOST_ROUNDS, FLOW_TOLERANCE = 12, 1e-5
+LEFT_PARENT_RADII = (
+    1.0  # a side branch is outside its parent when its axis is this many parent radii from the parent's axis
+)
+SHORTEST_RADII = 4.0  # least length, over the radius at its start, of a branch that gets an axisymmetric model
 
 
 class Predictor:
@@ -36,39 +40,39 @@ class Predictor:
 
     def __init__(self, network, tree, document, settings, coupled=True):
         self.network, self.tree, self.document = network, tree, document
-        self.alone = self.flows = network.solve()
-        self.alone_pressures = self.pressures = network.pressures(self.flows, network.inlet_pa)
+        self.network_flows = self.flows = network.solve()
+        self.network_pressures = self.pressures = network.pressures(self.flows, network.inlet_pa)
         self.tube, self.reason, begin = None, None, time.process_time()
-        self.branch, self.s_probe_mm, _ = tree.place_of(document["probes"][0])
-        self.radius_mm = {name: _radius(*profile) for name, profile in network.profile.items()}
+        self.branch, self.s_probe_mm, _ = tree.project_probe(document["probes"][0])
+        self.radius_mm = {name: _radius_function(*profile) for name, profile in network.area_profile.items()}
         if not coupled:
             self.reason, self.cpu_seconds = "not asked for", 0.0
             return
         try:
             self._couple(settings)
         except ComputationError as error:
-            self.reason, self.flows, self.pressures = str(error), self.alone, self.alone_pressures
+            self.reason, self.flows, self.pressures = str(error), self.network_flows, self.network_pressures
             print(f"the axisymmetric model gives no answer:\n{error}", file=sys.stderr, flush=True)
         self.cpu_seconds = time.process_time() - begin
 
     def _couple(self, settings):
         """Repeats the coupling until the flows agree. Raises ComputationError where they do not."""
         network, name = self.network, self.branch.name
-        self.start_mm = self._leaves_parent()
-        tube, fed, total = self._tube(settings), network.downstream(name, 0.0), float(np.sum(self.flows))
+        self.start_mm = self._exit_from_parent_mm()
+        tube, outlets_fed, total = self._make_tube(settings), network.downstream(name, 0.0), float(np.sum(self.flows))
         flows = self.flows
         for _ in range(MOST_ROUNDS):
-            tube.solve(flows[fed].sum(), [flows[one].sum() for one in self.leaving])
+            tube.solve(flows[outlets_fed].sum(), [flows[one].sum() for one in self.leak_outlets])
             s, drop = tube.axis_pressure()
             own_s, own = network.pressures(flows, network.inlet_pa)[name]
-            lacking = np.interp(s, own_s, own) - np.interp(s[0], own_s, own) - drop
-            network.add_loss(name, s, lacking, flows[fed].sum())
+            missing_loss = np.interp(s, own_s, own) - np.interp(s[0], own_s, own) - drop
+            network.add_loss(name, s, missing_loss, flows[outlets_fed].sum())
             before, flows = flows, network.solve()
-            if np.abs(flows - before).max() < SAME_FLOW * total:
+            if np.abs(flows - before).max() < FLOW_TOLERANCE * total:
                 self.tube, self.flows = tube, flows
                 self.pressures = network.pressures(flows, network.inlet_pa)
                 return
-        network.added.clear()
+        network.added_losses.clear()
         network.solve()
         raise ComputationError(
             "the axisymmetric model and the network do not agree on a flow",
@@ -77,41 +81,41 @@ class Predictor:
             "check sections.csv",
         )
 
-    def _leaves_parent(self):
+    def _exit_from_parent_mm(self):
         """Arc length in mm at which the branch has left its parent, at most half its length; 0 for the root."""
         if self.branch.name == self.network.root:
             return 0.0
         parent, where = self.network.parent[self.branch.name]
-        return min(LEFT * float(self.radius_mm[parent](where)), 0.5 * self.branch.length_mm)
+        return min(LEFT_PARENT_RADII * float(self.radius_mm[parent](where)), 0.5 * self.branch.length_mm)
 
-    def _tube(self, settings):
+    def _make_tube(self, settings):
         """The Tube of the branch of `distal`, from where it has left its parent to its end."""
         name = self.branch.name
-        s_mm, _ = self.network.profile[name]
+        s_mm, _ = self.network.area_profile[name]
         end_mm = min(self.branch.length_mm, float(s_mm[-1]))
         radius = self.radius_mm[name]
-        if end_mm - self.start_mm < SHORTEST * radius(self.start_mm):
+        if end_mm - self.start_mm < SHORTEST_RADII * radius(self.start_mm):
             raise ComputationError("branch too short for a model of its own", name, f"{end_mm:.1f} mm", "none needed")
-        at = stations.place(self.branch, settings, self.start_mm, end_mm, FINER)
+        at = stations.place_stations(self.branch, settings, self.start_mm, end_mm, CELL_LENGTH_FACTOR)
         s_mm = np.sort(np.concatenate([at, 0.5 * (at[1:] + at[:-1])]))
-        leaks, self.leaving = [], []
+        leaks, self.leak_outlets = [], []
         for where, child in self.network.children[name]:
             outside = min(float(radius(where)), 0.5 * self.tree[child].length_mm)
             leaks.append((where * M_PER_MM, 2.0 * self.tree[child].radius(outside) * M_PER_MM))
-            self.leaving.append(self.network.downstream(child, 0.0))
+            self.leak_outlets.append(self.network.downstream(child, 0.0))
         return Tube(
             s_mm * M_PER_MM,
             radius(s_mm) * M_PER_MM,
             leaks,
             self.document["density_kg_per_m3"],
-            viscosity.of(self.document),
+            viscosity.from_document(self.document),
             settings.backflow_coefficient,
         )
 
     @property
-    def whole(self):
+    def covers_lumen(self):
         """Whether the axisymmetric model covers the whole lumen: it has a flow, and the lumen is a single branch."""
-        return self.tube is not None and len(self.network.profile) == 1
+        return self.tube is not None and len(self.network.area_profile) == 1
 
     def destroy(self):
         """Frees PETSc's memory."""
@@ -124,7 +128,7 @@ class Predictor:
 
     def answers(self):
         """Entries `network` and `axisymmetric` of ffr.json's `models`."""
-        network = {"ffr": self.ffr(self.alone_pressures), "outlet_flows_m3_per_s": self.alone.tolist()}
+        network = {"ffr": self.ffr(self.network_pressures), "outlet_flows_m3_per_s": self.network_flows.tolist()}
         if self.tube is None:
             return {"network": network, "axisymmetric": {"ffr": None, "reason": self.reason}}
         axisymmetric = {"ffr": self.ffr(self.pressures), "outlet_flows_m3_per_s": self.flows.tolist()}
@@ -138,10 +142,10 @@ class Predictor:
         network's.
         """
         velocity, pressure = np.zeros_like(points), np.zeros(len(points))
-        owner = self._owners(points / M_PER_MM)
+        owner = self._nearest_branches(points / M_PER_MM)
         for number, branch in enumerate(self.tree):
             mine = np.flatnonzero(owner == number)
-            s, along, outward, rho = self._local(branch, points[mine] / M_PER_MM)
+            s, along, outward, rho = self._local_coordinates(branch, points[mine] / M_PER_MM)
             flow = np.array([self.flows[self.network.downstream(branch.name, x)].sum() for x in np.unique(s)])
             flow = flow[np.unique(s, return_inverse=True)[1]]
             area = np.pi * (self.radius_mm[branch.name](s) * M_PER_MM) ** 2
@@ -149,11 +153,11 @@ class Predictor:
             pressure[mine] = np.interp(s * M_PER_MM, *self.pressures[branch.name])
             if self.tube is not None and branch.name == self.branch.name:
                 inside = s >= self.start_mm
-                axial[inside], radial[inside], pressure[mine[inside]] = self._of_tube(s[inside], rho[inside])
+                axial[inside], radial[inside], pressure[mine[inside]] = self._tube_fields(s[inside], rho[inside])
             velocity[mine] = axial[:, None] * along + radial[:, None] * outward
         return velocity, pressure
 
-    def _of_tube(self, s_mm, rho):
+    def _tube_fields(self, s_mm, rho):
         """(axial, radial velocity in m/s, pressure in Pa), each (m,), of the axisymmetric model.
 
         s_mm: arc lengths (m,) in the branch; rho: distances (m,) from the axis over the radius.
@@ -163,7 +167,7 @@ class Predictor:
         axial, radial, drop = (RegularGridInterpolator((s, across), grid)(at) for grid in grids)
         return axial, radial, drop + np.interp(s[0], *self.pressures[self.branch.name])
 
-    def _owners(self, points_mm):
+    def _nearest_branches(self, points_mm):
         """Number (m,) in the tree of the branch whose axis is nearest to each of points (m, 3).
 
         The part of a branch's axis that lies inside its parent does not count.
@@ -172,13 +176,13 @@ class Predictor:
         for k, branch in enumerate(self.tree):
             outside = np.ones(len(branch.points), bool)
             if branch.name != self.network.root:
-                outside = self.tree[self.network.parent[branch.name][0]].outside(branch.points, LEFT)
+                outside = self.tree[self.network.parent[branch.name][0]].outside(branch.points, LEFT_PARENT_RADII)
             kept.append(branch.points[outside])
             number.append(np.full(outside.sum(), k))
         _, nearest = cKDTree(np.concatenate(kept)).query(points_mm)
         return np.concatenate(number)[nearest]
 
-    def _local(self, branch, points_mm):
+    def _local_coordinates(self, branch, points_mm):
         """(s in mm (m,), unit vectors along the axis (m, 3), away from it (m, 3), rho (m,)) of points (m, 3) in mm.
 
         rho is the distance from the branch's axis over its radius, at most 1.
@@ -195,7 +199,7 @@ class Predictor:
         return s, along, outward, np.minimum(distance / self.radius_mm[branch.name](s), 1.0)
 
 
-def _radius(s_mm, area_mm2):
+def _radius_function(s_mm, area_mm2):
     """Function of s in mm: radius in mm of the circle of the section's area, smoothly interpolated, constant beyond
     the ends."""
     smooth = PchipInterpolator(s_mm, np.sqrt(area_mm2 / np.pi))

@@ -14,14 +14,14 @@ from common.errors import InputError
 from common.files import sha256
 from flow.discretisation import compat
 from flow.meshing import extension
-from flow.reduced import coupled as predictor, network as network_model
+from flow.reduced import coupled as coupled_model, network as network_model
 from flow.geometry.surface import INLET
 
-UNIT = 1e-6  # largest |length - 1| of the vector `direction` of an extension
-SAME = ("made_from_sha256", "extensions")  # keys that must agree in the reports of two meshes of one solve
+UNIT_TOLERANCE = 1e-6  # largest |length - 1| of the vector `direction` of an extension
+SHARED_KEYS = ("made_from_sha256", "extensions")  # keys that must agree in the reports of two meshes of one solve
 
 
-def read(path, mesh, coarse=()):
+def read_report(path, mesh, coarse=()):
     """([meshing.extension.Extension], [warning], SHA-256 or None) from the report of a mesh.
 
     path: report of `flow mesh` on the file `mesh`; coarse: files of the coarser meshes. A warning, printed too, names
@@ -35,13 +35,13 @@ def read(path, mesh, coarse=()):
     except InputError as error:
         what = f"not a report of the volume mesh: {error.what}"
         raise InputError(what, error.where, error.value, error.remedy) from None
-    told, found = report["cells"], compat.count_cells(mesh)
+    stated, found = report["cells"], compat.count_cells(mesh)
     extensions = [extension.Extension(**one) for one in report["extensions"]]
-    reasons = {name: part["swept"].get("reason") for name, part in _named(report)}
+    reasons = {name: part["swept"].get("reason") for name, part in _named_reports(report)}
     remedy = "give --mesh-report the file that `flow mesh` wrote with this mesh"
-    if told != found:
-        raise InputError("the report is of another mesh", path, f"{told} cells, {mesh} has {found}", remedy)
-    if not _is(report, mesh):
+    if stated != found:
+        raise InputError("the report is of another mesh", path, f"{stated} cells, {mesh} has {found}", remedy)
+    if not _has_sha256(report, mesh):
         value = f"SHA-256 {report['file_sha256']}, {mesh} has {sha256(mesh)}"
         raise InputError("the report is of another mesh", path, value, remedy)
     for one in coarse:
@@ -52,8 +52,8 @@ def read(path, mesh, coarse=()):
         for name, reason in reasons.items()
         if reason
     ]
-    for said in warnings:
-        print(said, file=sys.stderr, flush=True)
+    for warning in warnings:
+        print(warning, file=sys.stderr, flush=True)
     return extensions, warnings, report.get("made_from_sha256")
 
 
@@ -66,74 +66,74 @@ def _check_coarse(report, path, coarse):
     own, known = pathlib.Path(coarse).with_suffix(".json"), report.get("coarse", [])
     if not known and own.is_file():
         other = json_reader.read(own, "mesh.json").data
-        if all(other.get(key) == report.get(key) for key in SAME):
+        if all(other.get(key) == report.get(key) for key in SHARED_KEYS):
             known = [other]
     cells = compat.count_cells(coarse)
-    if not any(part.get("cells") == cells and _is(part, coarse) for part in known):
-        told = ", ".join(f"one of {one.get('cells')}, SHA-256 {one.get('file_sha256')}" for one in known) or "none"
-        value = f"{cells} cells, {path} knows {told}"
+    if not any(part.get("cells") == cells and _has_sha256(part, coarse) for part in known):
+        stated = ", ".join(f"one of {one.get('cells')}, SHA-256 {one.get('file_sha256')}" for one in known) or "none"
+        value = f"{cells} cells, {path} knows {stated}"
         remedy = "make both with one `flow mesh ... --coarse`"
         raise InputError("the coarse mesh is not known to be of the same lumen", coarse, value, remedy)
 
 
-def _is(part, mesh):
+def _has_sha256(part, mesh):
     """Whether a mesh file has the SHA-256 in the report's entry `part`. True where an older report lacks it."""
     return "file_sha256" not in part or part["file_sha256"] == sha256(mesh)
 
 
-def _named(report):
+def _named_reports(report):
     """[(name, entry)] of the meshes in a report: fine, coarse, coarsest."""
     return list(zip(("fine", "coarse", "coarsest"), (report, *report.get("coarse", [])[::-1])))
 
 
-def beside(path, mesh, coarse=()):
-    """As `read`, but allows the report to be missing: then there are no extensions, and a warning, printed too."""
+def read_report_if_any(path, mesh, coarse=()):
+    """As `read_report`, but the report may be missing: then there are no extensions, and a warning, printed too."""
     if path.is_file():
-        return read(path, mesh, coarse)
-    said = f"no report of the mesh ({path.name}): reduced models take it as without extensions; give --mesh-report"
-    print(said, file=sys.stderr, flush=True)
-    return [], [said], None
+        return read_report(path, mesh, coarse)
+    warning = f"no report of the mesh ({path.name}): reduced models take it as without extensions; give --mesh-report"
+    print(warning, file=sys.stderr, flush=True)
+    return [], [warning], None
 
 
-class Extended:
-    """A lumen's centreline tree with the extensions (`tree`) and without (`original`).
+class ExtendedLumen:
+    """A lumen's centreline tree with the extensions (`extended_tree`) and without (`original_tree`).
 
     `network` is the 1D network without extensions. anatomy: document of anatomy.json; sections: table of
-    network.read_sections; document: of boundary.json; warnings: those of `read` or `beside`. Raises InputError where an
-    extension is of another lumen.
+    network.read_sections; document: of boundary.json; warnings: those of `read_report` or `read_report_if_any`. Raises
+    InputError where an extension is of another lumen.
     """
 
     def __init__(self, extensions, tree, anatomy, sections, document, settings, warnings=()):
-        self.extensions, self.original, self.warnings = extensions, tree, list(warnings)
+        self.extensions, self.original_tree, self.warnings = extensions, tree, list(warnings)
         self.document, self.settings = document, settings
         ends = {(outlet["region_id"], outlet["branch"]) for outlet in document["outlets"]} | {(INLET, tree.main.name)}
         for one in extensions:
-            if (one.region_id, one.branch) not in ends or abs(np.linalg.norm(one.direction) - 1) > UNIT:
+            if (one.region_id, one.branch) not in ends or abs(np.linalg.norm(one.direction) - 1) > UNIT_TOLERANCE:
                 remedy = "give mesh, its report, centreline and boundary values of one lumen"
                 raise InputError("extension of another lumen", "report of the mesh: extensions", one, remedy)
-        self._given = anatomy, sections
+        self._anatomy_and_sections = anatomy, sections
         self.network = self.network_at(document)
-        self.tree = extension.prolonged(tree, extensions)
-        self._longer = prolonged_network(anatomy, sections, extensions)
+        self.extended_tree = extension.extend_tree(tree, extensions)
+        self._extended_anatomy = extend_anatomy(anatomy, sections, extensions)
 
     def network_at(self, document):
         """The 1D network without extensions, with the boundary values `document`."""
-        return network_model.Network(*self._given, document, self.settings.expansion_loss)
+        return network_model.Network(*self._anatomy_and_sections, document, self.settings.expansion_loss)
 
     def predictor(self):
         """flow.reduced.coupled.Predictor of the tree with its extensions.
 
         With setting `model` = network it is the network alone, without the axisymmetric model.
         """
-        network = network_model.Network(*self._longer, self.document, self.settings.expansion_loss)
-        return self._predictor(network, self.tree)
+        network = network_model.Network(*self._extended_anatomy, self.document, self.settings.expansion_loss)
+        return self._predictor(network, self.extended_tree)
 
     def _predictor(self, network, tree):
         """flow.reduced.coupled.Predictor of a 1D network and its Tree, with the model that the settings ask for."""
         coupled = self.settings.model != "network"
-        return predictor.Predictor(network, tree, self.document, self.settings, coupled)
+        return coupled_model.Predictor(network, tree, self.document, self.settings, coupled)
 
-    def report(self, models):
+    def extension_report(self, models):
         """Entry `extensions` of ffr.json: {ends, ffr_change}.
 
         models: entry `models` of ffr.json, computed with the extensions. ffr_change: for each reduced model FFR with
@@ -142,7 +142,7 @@ class Extended:
         if not self.extensions:
             return {"ends": [], "ffr_change": {}}
         names = {outlet["region_id"]: outlet["name"] for outlet in self.document["outlets"]} | {INLET: "inlet"}
-        without = self._predictor(self.network, self.original)
+        without = self._predictor(self.network, self.original_tree)
         before = without.answers()
         without.destroy()
         change = {
@@ -157,7 +157,7 @@ class Extended:
         return {"ends": ends, "ffr_change": change}
 
 
-def prolonged_network(anatomy, sections, extensions):
+def extend_anatomy(anatomy, sections, extensions):
     """(anatomy, sections) with the extensions, for flow.reduced.network.Network.
 
     An extension has the cross-sectional area of the branch's last section, or of the root's first one at the inlet.
@@ -167,7 +167,7 @@ def prolonged_network(anatomy, sections, extensions):
         if one.region_id == INLET:
             sections, end = sections.copy(), rows.iloc[[0]].copy()
             sections.loc[sections["branch"] == one.branch, "s_mm"] += one.length_mm
-            anatomy = {**anatomy, "branches": [_shifted(branch, one) for branch in anatomy["branches"]]}
+            anatomy = {**anatomy, "branches": [_shift_on_parent(branch, one) for branch in anatomy["branches"]]}
             end["s_mm"] = 0.0
         else:
             end = rows.iloc[[-1]].copy()
@@ -176,7 +176,7 @@ def prolonged_network(anatomy, sections, extensions):
     return anatomy, sections
 
 
-def _shifted(branch, one):
+def _shift_on_parent(branch, one):
     """Entry of anatomy.json for a branch, its place on the parent moved by the parent's inlet extension `one`."""
     if branch["parent"] != one.branch:
         return branch

@@ -17,7 +17,7 @@ LEAST_LOSS = 1e-3
 # Plausible variations round a measured inflow: (name, flow over the measured one, mmHg added to MAP, exponent of the
 # diameters in the flow split, None for that of the settings). Repeated measurements of a coronary flow differ by about
 # a tenth, and a cuff may be off by 10 mmHg. Exponent 2 splits by area, 3 by Murray's law. Chosen, not fitted.
-VARIED_INFLOW = (
+INFLOW_VARIATIONS = (
     ("measured flow -10 %", 0.9, 0.0, None),
     ("measured flow +10 %", 1.1, 0.0, None),
     ("pressure -10 mmHg", 1.0, -10.0, None),
@@ -25,10 +25,10 @@ VARIED_INFLOW = (
     ("split by diameter^2", 1.0, 0.0, 2.0),
     ("split by diameter^3", 1.0, 0.0, 3.0),
 )
-FASTEST = 50.0  # outlet resistances are divided by at most this factor to let a measured inflow pass
+LARGEST_DIVISOR = 50.0  # outlet resistances are divided by at most this factor to let a measured inflow pass
 
 
-def scaled(document, factor):
+def scale_flow(document, factor):
     """Copy of the boundary values `document`: planned flows times `factor`, resistances divided by it."""
     other = copy.deepcopy(document)
     for outlet in other["outlets"]:
@@ -38,32 +38,32 @@ def scaled(document, factor):
     return other
 
 
-def varied(document, one):
-    """Copy of the boundary values `document` for the entry `one` of plausible_flows.
+def apply_variation(document, variation):
+    """Copy of the boundary values `document` for the entry `variation` of plausible_flows.
 
     The entry holds a factor on the planned flow, or MAP and resistances of its own.
     """
-    if "resistances_pa_s_per_m3" not in one:
-        return scaled(document, one["factor"])
-    other = copy.deepcopy(document) | {"map_pa": one["map_pa"]}
-    for outlet, resistance in zip(other["outlets"], one["resistances_pa_s_per_m3"]):
+    if "resistances_pa_s_per_m3" not in variation:
+        return scale_flow(document, variation["factor"])
+    other = copy.deepcopy(document) | {"map_pa": variation["map_pa"]}
+    for outlet, resistance in zip(other["outlets"], variation["resistances_pa_s_per_m3"]):
         outlet["resistance_pa_s_per_m3"] = resistance
     return other
 
 
-def around_inflow(document, network_at, exponent):
+def plausible_around_inflow(document, network_at, exponent):
     """Entry plausible_flows of boundary.json for a measured inflow: [{what, map_pa, resistances_pa_s_per_m3}].
 
-    document: boundary values before `with_inflow`. network_at(document) -> Network of the vessel before the procedure.
-    exponent: of the diameters in the flow split. VARIED_INFLOW varies the inflow, the aortic pressure and the split.
-    The left ventricular mass is not varied, since it serves only to estimate the flow. A flow that the vessel does not
-    let pass is left out.
+    document: boundary values before `fit_resistances`. network_at(document) -> Network of the vessel before the
+    procedure. exponent: of the diameters in the flow split. INFLOW_VARIATIONS varies the inflow, the aortic pressure
+    and the split. The left ventricular mass is not varied, since it serves only to estimate the flow. A flow that the
+    vessel does not let pass is left out.
     """
     found = []
-    for what, factor, pressure, power in VARIED_INFLOW:
+    for what, factor, pressure, power in INFLOW_VARIATIONS:
         if power is not None and (len(document["outlets"]) == 1 or power == exponent):
             continue
-        other = scaled(document, factor)
+        other = scale_flow(document, factor)
         other["map_pa"] += pressure * PA_PER_MMHG
         driving = (other["map_pa"] - other["venous_pressure_pa"]) / (
             document["map_pa"] - document["venous_pressure_pa"]
@@ -74,7 +74,7 @@ def around_inflow(document, network_at, exponent):
             outlet["flow_m3_per_s"] = float(part * other["q_hyperaemic_m3_per_s"])
             outlet["resistance_pa_s_per_m3"] *= driving * before / outlet["flow_m3_per_s"]
         try:
-            other = with_inflow(other, network_at)
+            other = fit_resistances(other, network_at)
         except InputError:
             continue
         resistances = [float(outlet["resistance_pa_s_per_m3"]) for outlet in other["outlets"]]
@@ -82,7 +82,7 @@ def around_inflow(document, network_at, exponent):
     return found
 
 
-def of_answer(answer_ffr, document, network_at, probe):
+def ffr_range(answer_ffr, document, network_at, probe):
     """{low, high, at: [{what, factor, ffr}]}: FFR at the probe over the plausible flows of the boundary values.
 
     answer_ffr: FFR at the planned flow. network_at(document) -> flow.reduced.network.Network; probe: (branch, s_mm).
@@ -94,7 +94,7 @@ def of_answer(answer_ffr, document, network_at, probe):
     base = loss_at(network_at(document), probe)
     at = []
     for one in flows:
-        loss = loss_at(network_at(varied(document, one)), probe)
+        loss = loss_at(network_at(apply_variation(document, one)), probe)
         lost = (1 - answer_ffr) * loss / base if base > LEAST_LOSS else 1 - answer_ffr + loss - base
         shown = {key: one[key] for key in ("what", "factor") if key in one}
         at.append(shown | {"ffr": float(np.clip(1 - lost, 0, 1))})
@@ -109,24 +109,24 @@ def loss_at(network, probe):
     return 1 - float(np.interp(probe[1] * M_PER_MM, s, pressure)) / network.inlet_pa
 
 
-def with_inflow(document, network_at):
+def fit_resistances(document, network_at):
     """Copy of the boundary values with the resistances at which the network's inflow is the planned flow.
 
     The planned flow was measured in this vessel, with its narrowings. network_at(document) -> Network of the vessel.
-    Raises InputError where the inflow is too small even with resistances FASTEST times lower.
+    Raises InputError where the inflow is too small even with resistances LARGEST_DIVISOR times lower.
     """
     wanted = document["q_hyperaemic_m3_per_s"]
 
     def lacking(log_factor):
-        return float(np.sum(network_at(scaled(document, np.exp(log_factor))).solve())) / wanted - 1
+        return float(np.sum(network_at(scale_flow(document, np.exp(log_factor))).solve())) / wanted - 1
 
-    if lacking(np.log(FASTEST)) < 0:
-        most = (1 + lacking(np.log(FASTEST))) * wanted / M3_PER_S_PER_ML_PER_MIN
+    if lacking(np.log(LARGEST_DIVISOR)) < 0:
+        most = (1 + lacking(np.log(LARGEST_DIVISOR))) * wanted / M3_PER_S_PER_ML_PER_MIN
         remedy = "is the flow of this vessel, before the intervention, and in mL/min?"
         where = "patient.hyperaemic_inflow_ml_per_min"
         raise InputError("the vessel does not let the measured flow pass", where, f"at most {most:.0f} mL/min", remedy)
-    factor = np.exp(brentq(lacking, np.log(0.5), np.log(FASTEST), xtol=1e-6))
-    found = scaled(document, factor)
+    factor = np.exp(brentq(lacking, np.log(0.5), np.log(LARGEST_DIVISOR), xtol=1e-6))
+    found = scale_flow(document, factor)
     for outlet, planned in zip(found["outlets"], document["outlets"]):
         outlet["flow_m3_per_s"] = planned["flow_m3_per_s"]
     return found | {"q_hyperaemic_m3_per_s": wanted}

@@ -17,13 +17,13 @@ from scipy.optimize import least_squares
 
 from common.errors import ComputationError, InputError
 from flow.physics.units import M_PER_MM
-from flow.physics.viscosity import of as viscosity_of
+from flow.physics import viscosity as viscosities
 
-CREEPING = 1e-10  # m3/s through each outlet: a flow so slow that only friction loses pressure
-NEAR_END = 2.0  # largest distance of the last section from the branch's end, in radii
+CREEPING_FLOW = 1e-10  # m3/s through each outlet: a flow so slow that only friction loses pressure
+END_DISTANCE_RADII = 2.0  # largest distance of the last section from the branch's end, in radii
 # Limits of a section's radius sqrt(A / pi) over the radius of the largest inscribed sphere. In the study this ratio is
 # 1.00 to 1.15, at ostia 1.4.
-NARROWEST, WIDEST = 0.8, 2.5
+LEAST_RADIUS_RATIO, LARGEST_RADIUS_RATIO = 0.8, 2.5
 PROMINENCE = 1.1  # factor by which the area must grow behind a narrowing, and shrink again before the next one
 
 
@@ -32,7 +32,7 @@ class Segment:
 
     def __init__(self, branch, s, area, outlets):
         self.branch, self.s, self.area, self.outlets = branch, s, area, outlets
-        self.throat = _throats(area)
+        self.throat_index = _throats(area)
 
     def losses(self, flow, density, viscosity, expansion_loss):
         """Static pressure at the segment's start minus that at each section, (n,) in Pa.
@@ -44,14 +44,14 @@ class Segment:
         slope = 8 * np.pi * viscosity(wall_rate) * flow / self.area**2
         friction = np.concatenate([[0], np.cumsum(0.5 * (slope[1:] + slope[:-1]) * np.diff(self.s))])
         dynamic = 0.5 * density * (velocity**2 - velocity[0] ** 2)
-        lost = np.zeros_like(velocity)
-        done, current = 0.0, -1
-        for k, throat in enumerate(self.throat):
+        expansion = np.zeros_like(velocity)
+        loss_before, current = 0.0, -1
+        for k, throat in enumerate(self.throat_index):
             if throat != current:
-                done, current = lost[k - 1] if k else 0.0, throat
+                loss_before, current = expansion[k - 1] if k else 0.0, throat
             jet = 0.0 if throat < 0 else max(velocity[throat] - velocity[k], 0.0)
-            lost[k] = done + 0.5 * expansion_loss * density * jet**2
-        return friction + dynamic + np.maximum.accumulate(lost)
+            expansion[k] = loss_before + 0.5 * expansion_loss * density * jet**2
+        return friction + dynamic + np.maximum.accumulate(expansion)
 
 
 def _throats(area):
@@ -90,7 +90,7 @@ class Network:
 
     def __init__(self, anatomy, sections, document, expansion_loss):
         self.document, self.expansion_loss = document, expansion_loss
-        self.viscosity = viscosity_of(document)
+        self.viscosity = viscosities.from_document(document)
         self.outlets = document["outlets"]
         branches = {branch["name"]: branch for branch in anatomy["branches"]}
         self.children, self.parent = {name: [] for name in branches}, {}  # both with places s_mm on the parent
@@ -98,37 +98,37 @@ class Network:
             if branch["parent"]:
                 self.parent[branch["name"]] = branch["parent"], branch["s_on_parent_mm"]
                 self.children[branch["parent"]].append((branch["s_on_parent_mm"], branch["name"]))
-        self.profile = {}
+        self.area_profile = {}
         for name in branches:
             rows = sections[sections["branch"] == name].sort_values("s_mm")
             if len(rows) < 2:
                 raise InputError("branch without cross-sections", "sections.csv", name, "run the anatomy step again")
-            self.profile[name] = rows["s_mm"].to_numpy(), rows["area_mm2"].to_numpy()
-        self.names = [outlet["name"] for outlet in self.outlets]
-        self.index = {outlet["branch"]: k for k, outlet in enumerate(self.outlets)}
-        unknown = sorted(set(self.index) - set(branches))
+            self.area_profile[name] = rows["s_mm"].to_numpy(), rows["area_mm2"].to_numpy()
+        self.outlet_names = [outlet["name"] for outlet in self.outlets]
+        self.outlet_index = {outlet["branch"]: k for k, outlet in enumerate(self.outlets)}
+        unknown = sorted(set(self.outlet_index) - set(branches))
         if unknown:
             raise InputError("outlet of an unknown branch", "boundary.json", unknown, "make it from this anatomy")
-        missing = sorted(set(branches) - set(self.index))
+        missing = sorted(set(branches) - set(self.outlet_index))
         if missing:
             raise InputError("branch without an outlet", "boundary.json", missing, "make it from this anatomy")
-        self.added = {}
+        self.added_losses = {}
         self.segments = []
         self.root = next(name for name, branch in branches.items() if not branch["parent"])
-        self._build(self.root, 0.0)
+        self._add_segments(self.root, 0.0)
 
     def downstream(self, branch, s_mm):
         """Indices of the outlets fed through `branch` at arc length s_mm: its own, and those of side branches there
         or further downstream."""
-        found = [self.index[branch]]
+        found = [self.outlet_index[branch]]
         for where, child in self.children[branch]:
             if where >= s_mm:
                 found += self.downstream(child, 0.0)
         return found
 
-    def _build(self, branch, start_mm):
+    def _add_segments(self, branch, start_mm):
         """Adds the segments of a branch from start_mm on, and those of its side branches."""
-        s, area = self.profile[branch]
+        s, area = self.area_profile[branch]
         cuts = sorted({float(where) for where, _ in self.children[branch] if s[0] < where < s[-1]})
         bounds = [max(start_mm, s[0])] + cuts + [s[-1]]
         for a, b in zip(bounds, bounds[1:]):
@@ -138,7 +138,7 @@ class Network:
             outlets = self.downstream(branch, 0.5 * (a + b))
             self.segments.append(Segment(branch, here * M_PER_MM, values * M_PER_MM**2, outlets))
         for _, child in sorted(self.children[branch]):
-            self._build(child, 0.0)
+            self._add_segments(child, 0.0)
 
     def pressures(self, flows, inlet_pa=None):
         """Static pressure along each branch: {branch: (s (n,) in m, pressure (n,) in Pa)}.
@@ -158,7 +158,7 @@ class Network:
             else:
                 start = self._at_junction(segment, result, flows, velocity[0])
             loss = segment.losses(flow, document["density_kg_per_m3"], self.viscosity, self.expansion_loss)
-            loss += self._added(segment, flows)
+            loss += self._added_loss(segment, flows)
             s, p = result.get(segment.branch, (np.zeros(0), np.zeros(0)))
             result[segment.branch] = np.concatenate([s, segment.s]), np.concatenate([p, start - loss])
             total_at[segment.branch] = velocity[-1] ** 2
@@ -170,15 +170,15 @@ class Network:
         This loss holds at the branch's flow `flow` (m3/s), and grows with the square of the flow. It comes on top of
         what was added before.
         """
-        if branch in self.added:
-            pressure = pressure + self.added[branch][1] * (flow / self.added[branch][2]) ** 2
-        self.added[branch] = s, pressure, flow
+        if branch in self.added_losses:
+            pressure = pressure + self.added_losses[branch][1] * (flow / self.added_losses[branch][2]) ** 2
+        self.added_losses[branch] = s, pressure, flow
 
-    def _added(self, segment, flows):
+    def _added_loss(self, segment, flows):
         """Loss added by `add_loss` from the segment's start to each of its sections, (n,) in Pa, at these flows."""
-        if segment.branch not in self.added:
+        if segment.branch not in self.added_losses:
             return 0.0
-        s, pressure, flow = self.added[segment.branch]
+        s, pressure, flow = self.added_losses[segment.branch]
         here = np.interp(segment.s, s, pressure)
         return (here - here[0]) * (flows[self.downstream(segment.branch, 0.0)].sum() / flow) ** 2
 
@@ -189,7 +189,7 @@ class Network:
         """
         parent, where = self.parent[segment.branch]
         s, p = result[parent]
-        area = np.interp(where, *self.profile[parent]) * M_PER_MM**2
+        area = np.interp(where, *self.area_profile[parent]) * M_PER_MM**2
         upstream = flows[self.downstream(parent, where)].sum() / area
         static = float(np.interp(where * M_PER_MM, s, p))
         return static + 0.5 * self.document["density_kg_per_m3"] * (upstream**2 - velocity**2)
@@ -204,20 +204,20 @@ class Network:
 
         Sets `inlet_pa` in Pa: MAP, or the pressure that drives the inflow where that is given. Raises ComputationError.
         """
-        map_pa, given = self.document["map_pa"], self.document.get("inlet_flow_m3_per_s")
+        map_pa, given_inflow = self.document["map_pa"], self.document.get("inlet_flow_m3_per_s")
         resistance = np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
-        behind = self._behind()
-        planned = self._most(resistance, behind, given)
+        back_pressure = self._back_pressure()
+        planned = self._flow_bounds(resistance, back_pressure, given_inflow)
         count = len(planned)
 
         def imbalance(unknown):
-            flows, inlet_pa = unknown[:count] * planned, unknown[count] * map_pa if given else map_pa
-            lacking = (self.outlet_pressures(flows, inlet_pa) - behind - resistance * flows) / map_pa
-            return np.append(lacking, flows.sum() / given - 1.0) if given else lacking
+            flows, inlet_pa = unknown[:count] * planned, unknown[count] * map_pa if given_inflow else map_pa
+            lacking = (self.outlet_pressures(flows, inlet_pa) - back_pressure - resistance * flows) / map_pa
+            return np.append(lacking, flows.sum() / given_inflow - 1.0) if given_inflow else lacking
 
-        start = np.append(np.full(count, 1.0 / count), 1.0) if given else np.full(count, 0.8)
-        most = np.append(np.full(count, 1.2), np.inf) if given else 1.2
-        found = least_squares(imbalance, start, bounds=(0, most), xtol=1e-13, ftol=1e-13, gtol=1e-13)
+        start = np.append(np.full(count, 1.0 / count), 1.0) if given_inflow else np.full(count, 0.8)
+        upper_bounds = np.append(np.full(count, 1.2), np.inf) if given_inflow else 1.2
+        found = least_squares(imbalance, start, bounds=(0, upper_bounds), xtol=1e-13, ftol=1e-13, gtol=1e-13)
         if np.abs(found.fun).max() > 1e-6:
             raise ComputationError(
                 "reduced model did not converge",
@@ -225,30 +225,33 @@ class Network:
                 np.abs(found.fun).max(),
                 "check sections.csv (mm) and the resistances of boundary.json (Pa s/m3)",
             )
-        self.inlet_pa = float(found.x[count] * map_pa) if given else map_pa
+        self.inlet_pa = float(found.x[count] * map_pa) if given_inflow else map_pa
         return found.x[:count] * planned
 
-    def _behind(self):
+    def _back_pressure(self):
         """Pressure (outlets,) in Pa behind the outlets' resistances: the venous pressure, or a given one."""
         return np.array([outlet.get("pressure_pa", self.document["venous_pressure_pa"]) for outlet in self.outlets])
 
-    def _most(self, resistance, behind, given):
+    def _flow_bounds(self, resistance, back_pressure, given_inflow):
         """Bounds (outlets,) of the outlet flows in m3/s: the given inflow, or the flow through the resistance alone.
 
-        resistance (outlets,) in Pa s/m3; behind (outlets,): pressures of `_behind`; given: inflow in m3/s or None. For
-        an outlet without a resistance, the resistance of its vessels to creeping flow takes its place.
+        resistance (outlets,) in Pa s/m3; back_pressure (outlets,): that of `_back_pressure`; given_inflow: inflow in
+        m3/s or None. For an outlet without a resistance, the resistance of its vessels to creeping flow takes its
+        place.
         """
-        if given:
-            return np.full(len(resistance), given)
-        creeping = np.full(len(resistance), CREEPING)
-        of_vessels = (self.document["map_pa"] - self.outlet_pressures(creeping)) / CREEPING
-        return (self.document["map_pa"] - behind) / np.where(resistance > 0, resistance, of_vessels / len(resistance))
+        if given_inflow:
+            return np.full(len(resistance), given_inflow)
+        creeping = np.full(len(resistance), CREEPING_FLOW)
+        of_vessels = (self.document["map_pa"] - self.outlet_pressures(creeping)) / CREEPING_FLOW
+        return (self.document["map_pa"] - back_pressure) / np.where(
+            resistance > 0, resistance, of_vessels / len(resistance)
+        )
 
     def resistances_at(self, flows, fraction):
         """Outlet resistances (outlets,) in Pa s/m3 at which this model's flows are `fraction` times `flows` (m3/s)."""
         if fraction == 1.0:
             return np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
-        return (self.outlet_pressures(fraction * flows) - self._behind()) / (fraction * flows)
+        return (self.outlet_pressures(fraction * flows) - self._back_pressure()) / (fraction * flows)
 
 
 def read_sections(path):
@@ -285,13 +288,15 @@ def check_sections(table, tree, path):
         rows = table[table["branch"] == branch.name]
         s, radius = rows["s_mm"].to_numpy(), np.sqrt(rows["area_mm2"].to_numpy() / np.pi)
         where = f"{path}, branch {branch.name}"
-        if len(s) and abs(s.max() - branch.length_mm) > NEAR_END * branch.radius_mm[-1]:
+        if len(s) and abs(s.max() - branch.length_mm) > END_DISTANCE_RADII * branch.radius_mm[-1]:
             value = f"last at {s.max():.4g} of {branch.length_mm:.4g} mm"
             raise InputError("cross-sections of another branch", where, value, remedy)
         sphere = branch.radius(s)
         near = np.abs(s - s[:, None]) <= sphere[:, None]
         narrowest = np.where(near, radius, np.inf).min(axis=1)
-        for k in np.flatnonzero((radius < NARROWEST * sphere) | (narrowest > WIDEST * sphere))[:1]:
+        for k in np.flatnonzero((radius < LEAST_RADIUS_RATIO * sphere) | (narrowest > LARGEST_RADIUS_RATIO * sphere))[
+            :1
+        ]:
             value = f"radius {radius[k]:.4g} mm at {s[k]:.4g} mm, of the centreline {sphere[k]:.4g} mm"
             raise InputError("cross-sections of another lumen", where, value, remedy)
 

@@ -25,16 +25,16 @@ from flow.inputs import lumen_summary
 from flow.meshing import extension
 from flow.physics import ffr
 from flow.reduced import extended, network as network_model
-from flow.reduced.answer import ELSEWHERE, MILD
+from flow.reduced.answer import ERROR_IN_OTHER_PATIENTS, MILD_FFR
 
 COLUMNS = ("rank", "plan", "ffr", "error", "model", "as_good_as_best", "inlet_flow_m3_per_s", "cpu_seconds")
-SAME_MM = 1e-6  # mm: precision to which files give coordinates
+COORDINATE_TOLERANCE_MM = 1e-6  # mm: precision to which files give coordinates
 
 
-def elsewhere(model, value):
+def error_in_other_patients(model, value):
     """Error in FFR of a reduced model, measured in other patients, where the model's FFR is `value`."""
-    mild, severe = ELSEWHERE[model]
-    return mild if value >= MILD else severe
+    mild, severe = ERROR_IN_OTHER_PATIENTS[model]
+    return mild if value >= MILD_FFR else severe
 
 
 def model_error(model, documents, lowest):
@@ -43,19 +43,19 @@ def model_error(model, documents, lowest):
     documents: [(path, document of ffr.json)] of this patient; lowest: the lowest FFR of the plans by the reduced model.
     Raises InputError for a document without the FFR of both models.
     """
-    found, unsure = [], []
+    differences, estimates = [], []
     for path, document in documents:
         models = document.get("models", {})
         both = [models.get(name, {}).get("ffr") for name in ("3d", model)]
         if None in both:
             raise InputError("no 3D answer beside the reduced model's", path, model, "give an ffr.json of model 3d")
-        found.append(both[0] - both[1])
+        differences.append(both[0] - both[1])
         estimate = models["3d"].get("error_estimate")
-        unsure.append(elsewhere(model, both[1]) if estimate is None else estimate)
-    if not found:
-        return (elsewhere(model, lowest),) * 2
-    error = float(max(np.abs(found).max(), max(unsure)))
-    return error, float(max(np.ptp(found), sum(sorted(unsure)[-2:]))) if len(found) > 1 else error
+        estimates.append(error_in_other_patients(model, both[1]) if estimate is None else estimate)
+    if not differences:
+        return (error_in_other_patients(model, lowest),) * 2
+    error = float(max(np.abs(differences).max(), max(estimates)))
+    return error, float(max(np.ptp(differences), sum(sorted(estimates)[-2:]))) if len(differences) > 1 else error
 
 
 def check_patient(path, answer, document):
@@ -65,25 +65,25 @@ def check_patient(path, answer, document):
     """
     given = {probe["name"]: np.array(probe["point_mm"], float) for probe in document["probes"]}
     try:
-        apart = {
+        distances = {
             probe["name"]: float(np.linalg.norm(np.array(probe["point_mm"], float) - given.pop(probe["name"])))
             - probe["shift_mm"]
             for probe in answer["probes"]
         }
     except (KeyError, TypeError, ValueError):
-        apart = {}
-    if not apart or given or not max(np.abs(list(apart.values()))) < SAME_MM:
-        raise InputError("an answer with other boundary values", path, apart, "give an ffr.json of this patient")
+        distances = {}
+    if not distances or given or not max(np.abs(list(distances.values()))) < COORDINATE_TOLERANCE_MM:
+        raise InputError("an answer with other boundary values", path, distances, "give an ffr.json of this patient")
 
 
-def plan(folder, document, settings, model):
+def plan_ffr(folder, document, settings, model):
     """{"ffr", "inlet_flow_m3_per_s", "cpu_seconds"} of one plan by the reduced model `model`.
 
     folder: output of the anatomy step for the plan's lumen; document: of boundary.json. Raises InputError where files
     are missing or do not belong together.
     """
     folder = pathlib.Path(folder)
-    for name in lumen_summary.OF_A_PLAN:
+    for name in lumen_summary.ANATOMY_STEP_FILES:
         if not (folder / name).is_file():
             raise InputError("not a plan's lumen", folder / name, "missing", "run the anatomy step on the plan's lumen")
     tree = centreline.read(folder / "centreline.vtp")
@@ -94,10 +94,10 @@ def plan(folder, document, settings, model):
     network_model.check_sections(sections, tree, folder / "sections.csv")
     lumen = surface.read(folder / "lumen.vtp")
     centreline.check_ends(tree, lumen, folder / "centreline.vtp")
-    extensions = extension.needed(lumen, tree, settings)
-    predicted = extended.Extended(extensions, tree, anatomy, sections, document, settings).predictor()
-    answer = predicted.answers()[model]
-    predicted.destroy()
+    extensions = extension.find_extensions(lumen, tree, settings)
+    predictor = extended.ExtendedLumen(extensions, tree, anatomy, sections, document, settings).predictor()
+    answer = predictor.answers()[model]
+    predictor.destroy()
     if answer["ffr"] is None:
         raise InputError("the axisymmetric model has no answer", folder, answer["reason"], "rank by the network")
     flow = float(np.sum(answer["outlet_flows_m3_per_s"]))
@@ -116,13 +116,13 @@ def rank(plans, document, settings, model, measured):
     rows = []
     for name, folder in plans.items():
         try:
-            rows.append({"plan": name, "model": model} | plan(folder, document, settings, model))
+            rows.append({"plan": name, "model": model} | plan_ffr(folder, document, settings, model))
         except InputError as error:
             raise InputError(error.what, f"plan {name} ({folder}): {error.where}", error.value, error.remedy) from None
-    error, apart = model_error(model, measured, min(row["ffr"] for row in rows))
+    error, least_difference = model_error(model, measured, min(row["ffr"] for row in rows))
     table = (
         pd.DataFrame(rows).assign(error=error).sort_values(["ffr", "plan"], ascending=[False, True], ignore_index=True)
     )
     table["rank"] = table["ffr"].rank(method="min", ascending=False).astype(int)
-    table["as_good_as_best"] = table["ffr"].max() - table["ffr"] <= apart
+    table["as_good_as_best"] = table["ffr"].max() - table["ffr"] <= least_difference
     return table[list(COLUMNS)]

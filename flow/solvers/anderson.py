@@ -8,11 +8,13 @@ are the differences of the last states and of their corrections f. The step is f
 
 import numpy as np
 
-MOST = 12  # number of differences in dX and dF
-INDEPENDENT = 1e-6  # singular values of the Gram matrix of dF below this share of the largest are dropped as noise
+MOST_DIFFERENCES = 12  # number of differences in dX and dF
+SINGULAR_VALUE_CUTOFF = (
+    1e-6  # singular values of the Gram matrix of dF below this share of the largest are dropped as noise
+)
 
 
-class Acceleration:
+class AndersonAcceleration:
     """Keeps the last differences of states (n,) and of corrections (n,).
 
     weights (n,): the inner product of a and b is the sum of weights^2 a b.
@@ -20,28 +22,30 @@ class Acceleration:
 
     def __init__(self, weights):
         self.weights = weights
-        self.moves, self.changes = [], []
+        self.state_differences, self.correction_differences = [], []
         self.last = None
 
     def step(self, state, correction):
         """The accelerated step (n,) from `state` (n,); correction (n,): f, by the old tangent alone."""
         if self.last is not None:
-            self.moves.append(state - self.last[0])
-            self.changes.append(correction - self.last[1])
-            del self.moves[:-MOST], self.changes[:-MOST]
+            self.state_differences.append(state - self.last[0])
+            self.correction_differences.append(correction - self.last[1])
+            del self.state_differences[:-MOST_DIFFERENCES], self.correction_differences[:-MOST_DIFFERENCES]
         self.last = state.copy(), correction.copy()
-        if not self.moves:
+        if not self.state_differences:
             return correction
-        matrix = np.array([self.weights * change for change in self.changes])
+        matrix = np.array([self.weights * change for change in self.correction_differences])
         gram = matrix @ matrix.T
         scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
-        right = scale * (matrix @ (self.weights * correction))
-        share = scale * np.linalg.lstsq(gram * np.outer(scale, scale), right, rcond=INDEPENDENT)[0]
+        right_side = scale * (matrix @ (self.weights * correction))
+        coefficients = (
+            scale * np.linalg.lstsq(gram * np.outer(scale, scale), right_side, rcond=SINGULAR_VALUE_CUTOFF)[0]
+        )
         result = correction.copy()
-        for y, move, change in zip(share, self.moves, self.changes):
+        for y, move, change in zip(coefficients, self.state_differences, self.correction_differences):
             result -= y * (move + change)
         return result
 
-    def pause(self):
+    def skip_difference(self):
         """Skips the difference between the last state and the next, which may be far apart. Keeps the earlier ones."""
         self.last = None

@@ -42,26 +42,26 @@ class DirectSolver:
             raise ComputationError("factorization failed", "MUMPS", error, "check memory and the mesh") from error
         self.factorizations += 1
 
-    def solve(self, right, solution):
-        """solution <- A^-1 right (PETSc vectors). Raises ComputationError when MUMPS cannot."""
-        self.ksp.solve(right, solution)
+    def solve(self, right_side, solution):
+        """solution <- A^-1 right_side (PETSc vectors). Raises ComputationError when MUMPS cannot."""
+        self.ksp.solve(right_side, solution)
         if self.ksp.getConvergedReason() < 0:
             reason = self.ksp.getConvergedReason()
             raise ComputationError("linear solve failed", "MUMPS", f"reason {reason}", "check the mesh and resistances")
 
-    def solve_all(self, rights, solutions):
+    def solve_all(self, right_sides, solutions):
         """`solve` for lists of vectors at once. Raises ComputationError.
 
         Most of a solve's cost is to read the factors from memory. Here they are read once for all vectors.
         """
-        if len(rights) == 1:
-            self.solve(rights[0], solutions[0])
+        if len(right_sides) == 1:
+            self.solve(right_sides[0], solutions[0])
             return
-        shape = (rights[0].size, len(rights))
+        shape = (right_sides[0].size, len(right_sides))
         given, found = (PETSc.Mat().createDense(shape, comm=PETSc.COMM_SELF) for _ in range(2))
         for dense in (given, found):
             dense.setUp()
-        given.getDenseArray()[:] = np.stack([right.array_r for right in rights], axis=1)
+        given.getDenseArray()[:] = np.stack([right_side.array_r for right_side in right_sides], axis=1)
         for dense in (given, found):
             dense.assemble()
         self.ksp.getPC().getFactorMatrix().matSolve(given, found)
@@ -82,7 +82,7 @@ class DirectSolver:
         self.ksp.destroy()
 
 
-class Bordered:
+class BorderedSystem:
     """The bordered system with the matrix A that `solver` (DirectSolver) has factorized.
 
     columns: list of vectors, those of B; rows: list of vectors, the rows of C; corner: D. A^-1 B is computed once, so
@@ -91,29 +91,29 @@ class Bordered:
 
     def __init__(self, solver, columns, rows, corner):
         self.solver, self.columns, self.rows, self.corner = solver, columns, rows, corner
-        self.solved = [column.duplicate() for column in columns]
-        solver.solve_all(columns, self.solved)
+        self.border_solutions = [column.duplicate() for column in columns]
+        solver.solve_all(columns, self.border_solutions)
         self.schur = np.array(corner, float)
         for i, row in enumerate(rows):
-            for j, vector in enumerate(self.solved):
+            for j, vector in enumerate(self.border_solutions):
                 self.schur[i, j] -= row.dot(vector)
 
     def solve(self, f, g):
         """(x, y), a new PETSc vector and an array, for the right side f (PETSc vector) and g (array)."""
         return self.solve_all([f], [g])[0]
 
-    def solve_all(self, rights, given):
-        """[(x, y)] as `solve` gives them, for lists of f (`rights`) and g (`given`)."""
-        found = [f.duplicate() for f in rights]
-        self.solver.solve_all(rights, found)
+    def solve_all(self, right_sides, border_sides):
+        """[(x, y)] as `solve` gives them, for lists of f (`right_sides`) and g (`border_sides`)."""
+        found = [f.duplicate() for f in right_sides]
+        self.solver.solve_all(right_sides, found)
         result = []
-        for x, g in zip(found, given):
+        for x, g in zip(found, border_sides):
             y = np.linalg.solve(self.schur, np.array(g, float) - [row.dot(x) for row in self.rows])
-            x.maxpy(-y, self.solved)
+            x.maxpy(-y, self.border_solutions)
             result.append((x, y))
         return result
 
     def destroy(self):
         """Frees the vectors A^-1 B."""
-        for vector in self.solved:
+        for vector in self.border_solutions:
             vector.destroy()

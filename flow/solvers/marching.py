@@ -17,14 +17,15 @@ from petsc4py import PETSc
 from common.errors import ComputationError
 from flow.discretisation import compat
 
-RELATIVE = 1e-5  # residual over the pressure load at which a step has converged
+RESIDUAL_TOLERANCE = 1e-5  # residual over the pressure load at which a step has converged
 MOST_CORRECTIONS = 24  # Newton corrections in one step
 # The factor of u in du/dt, over its value at the last factorization, must lie between these to use that again.
-LIKE = (0.3, 3.0)
-MOST_RENEWALS = 3  # factorizations in one step
-# A correction is slow if it leaves more than SLOW of the residual. More than MOST_SLOW of them: factorize anew.
-SLOW, MOST_SLOW = 0.5, 2
-MANY = 8  # after a step with more corrections the next step factorizes anew
+REUSABLE_RATIO = (0.3, 3.0)
+MOST_FACTORIZATIONS = 3  # factorizations in one step
+# A correction is slow if it leaves more than SLOW_REDUCTION of the residual. More than MOST_SLOW_CORRECTIONS of them:
+# factorize anew.
+SLOW_REDUCTION, MOST_SLOW_CORRECTIONS = 0.5, 2
+MANY_CORRECTIONS = 8  # after a step with more corrections the next step factorizes anew
 
 
 class Inertia:
@@ -39,12 +40,12 @@ class Inertia:
         fem_petsc.assemble_matrix(self.mass, problem.forms.mass)
         self.mass.assemble()
         self.weight = 0.0
-        self.past = np.zeros(problem.space.dofs)  # over W
+        self.past_terms = np.zeros(problem.space.dofs)  # over W
         self._given, self._force = self.mass.createVecs()
 
     def add_force(self, residual, state):
         """residual += mass (weight state - past), both PETSc vectors over W."""
-        self._given.array[:] = (self.weight * state.array_r - self.past)[self.v_map]
+        self._given.array[:] = (self.weight * state.array_r - self.past_terms)[self.v_map]
         self.mass.mult(self._given, self._force)
         residual.array[self.v_map] += self._force.array_r
 
@@ -67,9 +68,9 @@ class Stepper:
     def __init__(self, problem):
         self.problem, self.time, self.steps = problem, 0.0, 0
         problem.inertia = self.inertia = Inertia(problem)
-        self.values = [problem.state.x.array.copy()]  # of up to three flows, the latest first
-        self.inflows = [problem.inflow]
-        self.lengths = []
+        self.last_values = [problem.state.x.array.copy()]  # of up to three flows, the latest first
+        self.last_inflows = [problem.inflow]
+        self.last_steps = []
         self.factorized_weight, self.acceleration = None, problem.acceleration()
 
     def step(self, dt):
@@ -84,13 +85,13 @@ class Stepper:
         try:
             self._solve()
         except ComputationError:
-            problem.state.x.array[:], problem.inflow = self.values[0], self.inflows[0]
+            problem.state.x.array[:], problem.inflow = self.last_values[0], self.last_inflows[0]
             raise
         new = problem.state.x.array.copy()
-        error = self._error(new - guess, dt) if len(self.values) == 3 else None
-        self.values = [new, *self.values[:2]]
-        self.inflows = [problem.inflow, *self.inflows[:2]]
-        self.lengths = [dt, *self.lengths[:1]]
+        error = self._error(new - guess, dt) if len(self.last_values) == 3 else None
+        self.last_values = [new, *self.last_values[:2]]
+        self.last_inflows = [problem.inflow, *self.last_inflows[:2]]
+        self.last_steps = [dt, *self.last_steps[:1]]
         self.time += dt
         self.steps += 1
         return error
@@ -101,25 +102,27 @@ class Stepper:
         With two flows it is a line, with one a constant.
         """
         problem, inertia = self.problem, self.inertia
-        at = -np.cumsum([0.0, *self.lengths])  # times in s of the flows, from the last one
-        values, count = self.values, len(self.values)
+        times = -np.cumsum([0.0, *self.last_steps])  # times in s of the flows, from the last one
+        values, count = self.last_values, len(self.last_values)
         if count == 1:
             weights = [1.0, -1.0]
         else:
-            ratio = dt / self.lengths[0]
+            ratio = dt / self.last_steps[0]
             weights = [(1 + 2 * ratio) / (1 + ratio), -(1 + ratio), ratio**2 / (1 + ratio)]
         inertia.weight = weights[0] / dt
-        past = sum(-weight / dt * value for weight, value in zip(weights[1:], values))
-        inertia.past = past
-        share = [np.prod([(dt - at[k]) / (at[i] - at[k]) for k in range(count) if k != i]) for i in range(count)]
-        problem.state.x.array[:] = sum(s * value for s, value in zip(share, values))
-        problem.inflow = float(np.dot(share, self.inflows))
-        inlet = problem.space.inlet
+        past_terms = sum(-weight / dt * value for weight, value in zip(weights[1:], values))
+        inertia.past_terms = past_terms
+        coefficients = [
+            np.prod([(dt - times[k]) / (times[i] - times[k]) for k in range(count) if k != i]) for i in range(count)
+        ]
+        problem.state.x.array[:] = sum(s * value for s, value in zip(coefficients, values))
+        problem.inflow = float(np.dot(coefficients, self.last_inflows))
+        inlet = problem.space.inlet_dofs
         problem.state.x.array[inlet] = problem.inflow * problem.boundaries.profile.x.array[inlet]
 
     def _error(self, gap, dt):
         """Error of a BDF2 step in m/s; gap (n,): the new flow minus the extrapolated parabola, over W."""
-        one, two = self.lengths
+        one, two = self.last_steps
         # BDF2 and the parabola miss a flow that is cubic in time on opposite sides, by u''' dt (dt + one) / 6 times
         # these factors
         formula, parabola = dt * (one + dt) / (one + 2 * dt), dt + one + two
@@ -129,45 +132,53 @@ class Stepper:
     def _solve(self):
         """Newton's method with the last factorization and Anderson acceleration; factorizes anew where that is slow.
 
-        Raises ComputationError where the residual stays above RELATIVE times the pressure load.
+        Raises ComputationError where the residual stays above RESIDUAL_TOLERANCE times the pressure load.
         """
-        problem, renewals, slow, good = self.problem, 0, 0, RELATIVE * self.problem.load
+        problem, factorizations, slow_corrections, tolerance = (
+            self.problem,
+            0,
+            0,
+            RESIDUAL_TOLERANCE * self.problem.pressure_load,
+        )
         free, inlet, norm = problem.residual()
-        self.acceleration.pause()
+        self.acceleration.skip_difference()
         for count in range(MOST_CORRECTIONS):
-            if norm <= good:
+            if norm <= tolerance:
                 free.destroy()
-                if count > MANY:
+                if count > MANY_CORRECTIONS:
                     self.factorized_weight = None
                 return
-            if not self._serves() or slow > MOST_SLOW:
-                if renewals == MOST_RENEWALS:
+            if not self._factorization_fits() or slow_corrections > MOST_SLOW_CORRECTIONS:
+                if factorizations == MOST_FACTORIZATIONS:
                     break
-                self._renew()
-                renewals, slow = renewals + 1, 0
-            before = norm
+                self._factorize()
+                factorizations, slow_corrections = factorizations + 1, 0
+            last_norm = norm
             update, inflow_update = problem.correction(free, inlet)
             free.destroy()
             base, base_inflow = problem.state.x.array.copy(), problem.inflow
             step = self.acceleration.step(
-                np.append(base[problem.space.free], base_inflow), np.append(update, inflow_update)
+                np.append(base[problem.space.free_dofs], base_inflow), np.append(update, inflow_update)
             )
             problem.move(base, base_inflow, step[:-1], step[-1], 1.0)
             free, inlet, norm = problem.residual()
             if not np.isfinite(norm):
                 break
-            slow += norm > max(SLOW * before, good)
+            slow_corrections += norm > max(SLOW_REDUCTION * last_norm, tolerance)
         free.destroy()
         self.factorized_weight = None
         raise ComputationError(
             "a step in time failed", f"{self.time:.4g} s", f"residual {norm:.3g} N", "a shorter step may help"
         )
 
-    def _serves(self):
+    def _factorization_fits(self):
         """Whether there is a factorization, made for a step of about this length."""
-        return self.factorized_weight is not None and LIKE[0] < self.inertia.weight / self.factorized_weight < LIKE[1]
+        return (
+            self.factorized_weight is not None
+            and REUSABLE_RATIO[0] < self.inertia.weight / self.factorized_weight < REUSABLE_RATIO[1]
+        )
 
-    def _renew(self):
+    def _factorize(self):
         """Factorizes the tangent at the present state."""
         self.problem.linearise(self.problem.forms.tangent)
         self.factorized_weight, self.acceleration = self.inertia.weight, self.problem.acceleration()
@@ -175,5 +186,5 @@ class Stepper:
     def destroy(self):
         """Makes the problem steady again and frees PETSc's memory."""
         self.problem.inertia = None
-        self.problem.forget()
+        self.problem.free_linearisation()
         self.inertia.destroy()

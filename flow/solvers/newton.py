@@ -17,29 +17,30 @@ import dataclasses
 
 import numpy as np
 
-GOOD_RESIDUAL = 0.5  # a step that reduces the residual below this share is accepted whatever its correction
+ACCEPTED_REDUCTION = 0.5  # a step that reduces the residual below this share is accepted whatever its correction
 LEAST_FACTOR = 0.08  # smaller factors are not tried: the state is then too far from the solution
-FAR = 0.15  # Newton's method ends after two steps in a row with smaller factors
-# Ratio of the corrections after and before a step with factor 1. Below NEAR the factorization is used again. Below
-# NEARER it also serves the error estimate (errors.error_field).
-NEAR = 0.3
-NEARER = 0.1
-SHRINKS = 0.5  # accelerated steps end at a correction larger than this share of the one before
+SMALL_FACTOR = 0.15  # Newton's method ends after two steps in a row with smaller factors
+# Ratio of the corrections after and before a step with factor 1. Below REUSE_FOR_STEPS the factorization is used again.
+# Below REUSE_FOR_ESTIMATE it also serves the error estimate (errors.error_field).
+REUSE_FOR_STEPS = 0.3
+REUSE_FOR_ESTIMATE = 0.1
+LARGEST_SHRINK_RATIO = 0.5  # accelerated steps end at a correction larger than this share of the one before
 MOST_ACCELERATED = 10  # accelerated steps with one factorization
 # Accelerated steps end when the residual is below this share of its limits. A Newton step in their place would end as
 # far below the limits.
-MARGIN = 0.03
+RESIDUAL_MARGIN = 0.03
 
 
 @dataclasses.dataclass
-class Step:
-    """A damped step: the sizes `before` and `after` in m/s of the corrections before and after it, and its factor.
+class DampedStep:
+    """A damped step: the sizes `size_before` and `size_after` in m/s of the corrections before and after it, and its
+    factor.
 
     correction (n,) over the free dofs and inflow_correction in m3/s are the correction after the step.
     """
 
-    before: float
-    after: float
+    size_before: float
+    size_after: float
     correction: np.ndarray
     inflow_correction: float
     factor: float
@@ -50,16 +51,16 @@ def newton(problem, absolute, relative, limit, most_picard=0):
 
     It has converged when the residual is below `absolute` in N and below `relative` times the pressure load. It ends
     after `limit` factorizations (twice as many if the last factor was 1), or when the settings allow no more. It also
-    ends where two factors in a row are below FAR. Where no factor is good, a step of Picard's method is made instead,
-    at most `most_picard` times.
+    ends where two factors in a row are below SMALL_FACTOR. Where no factor is good, a step of Picard's method is made
+    instead, at most `most_picard` times.
     """
     free, inlet, norm = problem.residual()
-    start, last, factors = problem.solver.factorizations, None, []
-    while not problem.small(norm, absolute, relative):
-        most = 2 * limit if factors[-1:] == [1.0] else limit
-        if problem.solver.factorizations - start >= most or problem.left <= 0:
+    start, last_step, factors = problem.solver.factorizations, None, []
+    while not problem.residual_is_small(norm, absolute, relative):
+        most_factorizations = 2 * limit if factors[-1:] == [1.0] else limit
+        if problem.solver.factorizations - start >= most_factorizations or problem.factorizations_left <= 0:
             break
-        if len(factors) > 1 and max(factors[-2:]) < FAR:
+        if len(factors) > 1 and max(factors[-2:]) < SMALL_FACTOR:
             break
         base, base_inflow = problem.state.x.array.copy(), problem.inflow
         problem.linearise(problem.forms.tangent)
@@ -70,21 +71,29 @@ def newton(problem, absolute, relative, limit, most_picard=0):
             problem.move(base, base_inflow, update, inflow_update, factor)
             return problem.residual()
 
-        last, reached = _search(problem, residual_at, update, _first_factor(problem, last, update), norm)
-        if last is not None:
-            factors.append(last.factor)
-            free, inlet, norm = reached
-            problem.report(norm, f"Newton {last.factor:.2g}")
-            near = last.factor == 1 and last.after < NEAR * last.before
-            if near and not problem.small(norm, absolute, relative):
-                moved = np.append(base[problem.space.free], base_inflow), np.append(update, inflow_update)
-                free, inlet, norm = _go_on(problem, reached, moved, last, (MARGIN * absolute, MARGIN * relative))
-                if last.after > NEARER * last.before:
-                    problem.outdate()
-                last = None
+        last_step, residual_after = _search_factor(
+            problem, residual_at, update, _first_factor(problem, last_step, update), norm
+        )
+        if last_step is not None:
+            factors.append(last_step.factor)
+            free, inlet, norm = residual_after
+            problem.report(norm, f"Newton {last_step.factor:.2g}")
+            is_near = last_step.factor == 1 and last_step.size_after < REUSE_FOR_STEPS * last_step.size_before
+            if is_near and not problem.residual_is_small(norm, absolute, relative):
+                last_move = np.append(base[problem.space.free_dofs], base_inflow), np.append(update, inflow_update)
+                free, inlet, norm = _accelerate(
+                    problem,
+                    residual_after,
+                    last_move,
+                    last_step,
+                    (RESIDUAL_MARGIN * absolute, RESIDUAL_MARGIN * relative),
+                )
+                if last_step.size_after > REUSE_FOR_ESTIMATE * last_step.size_before:
+                    problem.mark_outdated()
+                last_step = None
             continue
         free, inlet, norm = residual_at(0.0)
-        if most_picard == 0 or problem.left <= 0:
+        if most_picard == 0 or problem.factorizations_left <= 0:
             break
         most_picard, factors = most_picard - 1, []
         free, inlet, norm = picard(problem, free, inlet)
@@ -101,69 +110,75 @@ def picard(problem, free, inlet):
     problem.linearise(problem.forms.picard)
     problem.move(base, base_inflow, *problem.correction(free, inlet), 1.0)
     free.destroy()
-    reached = problem.residual()
-    problem.report(reached[2], "Picard")
-    return reached
+    residual_after = problem.residual()
+    problem.report(residual_after[2], "Picard")
+    return residual_after
 
 
-def _go_on(problem, reached, moved, last, limits):
+def _accelerate(problem, residual_after, last_move, last_step, limits):
     """Makes accelerated steps with the last factorization and returns `problem.residual()` after them.
 
-    reached: `problem.residual()` after the Step `last`, whose vector is freed; moved: (state, update) before it;
-    limits: (absolute in N, over the pressure load) of the residual. A step that raises both residual and correction is
-    taken back, and ends the iteration.
+    residual_after: `problem.residual()` after the DampedStep `last_step`, whose vector is freed; last_move: (state,
+    update) before it; limits: (absolute in N, over the pressure load) of the residual. A step that raises both residual
+    and correction is taken back, and ends the iteration.
     """
     acceleration = problem.acceleration()
-    acceleration.step(*moved)
-    correction, size = (last.correction, last.inflow_correction), last.after
+    acceleration.step(*last_move)
+    correction, size = (last_step.correction, last_step.inflow_correction), last_step.size_after
     for count in range(MOST_ACCELERATED):
-        base, base_inflow, before = problem.state.x.array.copy(), problem.inflow, reached[2]
-        step = acceleration.step(np.append(base[problem.space.free], base_inflow), np.append(*correction))
+        base, base_inflow, before = problem.state.x.array.copy(), problem.inflow, residual_after[2]
+        step = acceleration.step(np.append(base[problem.space.free_dofs], base_inflow), np.append(*correction))
         problem.move(base, base_inflow, step[:-1], step[-1], 1.0)
-        reached[0].destroy()
-        reached = problem.residual()
-        if np.isfinite(reached[2]):
-            correction = problem.correction(*reached[:2])
-            now = problem.speed(correction[0])
-        if not np.isfinite(reached[2]) or now > size and reached[2] > before:
+        residual_after[0].destroy()
+        residual_after = problem.residual()
+        if np.isfinite(residual_after[2]):
+            correction = problem.correction(*residual_after[:2])
+            new_size = problem.velocity_norm(correction[0])
+        if not np.isfinite(residual_after[2]) or new_size > size and residual_after[2] > before:
             problem.move(base, base_inflow, 0.0, 0.0, 0.0)
-            reached[0].destroy()
+            residual_after[0].destroy()
             return problem.residual()
-        problem.report(reached[2], "accelerated")
-        if problem.small(reached[2], *limits) or now > SHRINKS * size:
+        problem.report(residual_after[2], "accelerated")
+        if problem.residual_is_small(residual_after[2], *limits) or new_size > LARGEST_SHRINK_RATIO * size:
             break
-        size = now
-    return reached
+        size = new_size
+    return residual_after
 
 
-def _first_factor(problem, last, update):
+def _first_factor(problem, last_step, update):
     """The factor to try first: the smaller, the more the tangent changed over the step before.
 
-    last: that Step; without one (None) the factor is 1. update (n,): the new correction.
+    last_step: that DampedStep; without one (None) the factor is 1. update (n,): the new correction.
     """
-    if last is None:
+    if last_step is None:
         return 1.0
-    change = problem.speed(last.correction - update)
-    return min(1.0, last.before * last.after / max(change * problem.speed(update), 1e-300) * last.factor)
+    change = problem.velocity_norm(last_step.correction - update)
+    return min(
+        1.0,
+        last_step.size_before
+        * last_step.size_after
+        / max(change * problem.velocity_norm(update), 1e-300)
+        * last_step.factor,
+    )
 
 
-def _search(problem, residual_at, update, factor, norm_before):
-    """(Step, `residual_at` its factor), or (None, None) where no factor of at least LEAST_FACTOR is good.
+def _search_factor(problem, residual_at, update, factor, norm_before):
+    """(DampedStep, `residual_at` its factor), or (None, None) where no factor of at least LEAST_FACTOR is good.
 
     residual_at(factor): moves the state and gives `problem.residual()`; factor: the first one tried; norm_before: norm
     in N of the residual before the step.
     """
-    before = problem.speed(update)
+    size_before = problem.velocity_norm(update)
     factor = max(factor, LEAST_FACTOR)
     while factor >= LEAST_FACTOR:
         free, inlet, norm = residual_at(factor)
         if np.isfinite(norm):
             correction, inflow_correction = problem.correction(free, inlet)
-            after = problem.speed(correction)
-            if after < before or norm < GOOD_RESIDUAL * norm_before:
-                return Step(before, after, correction, inflow_correction, factor), (free, inlet, norm)
-            bend = max(problem.speed(correction - (1 - factor) * update), 1e-300)
-            factor = min(0.5 * before * factor**2 / bend, 0.5 * factor)
+            size_after = problem.velocity_norm(correction)
+            if size_after < size_before or norm < ACCEPTED_REDUCTION * norm_before:
+                return DampedStep(size_before, size_after, correction, inflow_correction, factor), (free, inlet, norm)
+            change = max(problem.velocity_norm(correction - (1 - factor) * update), 1e-300)
+            factor = min(0.5 * size_before * factor**2 / change, 0.5 * factor)
         else:
             factor *= 0.5
         free.destroy()

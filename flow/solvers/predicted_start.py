@@ -10,29 +10,29 @@ import numpy as np
 
 from flow.solvers import newton
 
-STEPS = 8  # most factorizations of Newton's method, before the flow is sought in another way
+MOST_FACTORIZATIONS = 8  # most factorizations of Newton's method, before the flow is sought in another way
 PICARD_STEPS = 2  # steps of Picard's method in a tree
-MILD = 0.95  # least FFR at `distal` by the 1D network at which the reduced models' flow is tried in a tree
+LEAST_FFR = 0.95  # least FFR at `distal` by the 1D network at which the reduced models' flow is tried in a tree
 
 
-def try_from(problem, predicted):
+def try_predicted_flow(problem, predictor):
     """Outcome of Newton's method at full flow, or None where the reduced models' flow is not tried.
 
-    problem: nonlinear.FlowProblem; predicted: reduced.coupled.Predictor.
+    problem: nonlinear.FlowProblem; predictor: reduced.coupled.Predictor.
     """
-    if not (predicted.whole or predicted.ffr(predicted.alone_pressures) >= MILD):
+    if not (predictor.covers_lumen or predictor.ffr(predictor.network_pressures) >= LEAST_FFR):
         return None
-    problem.boundaries.full()
-    problem.forms.artificial.value = 0.0
+    problem.boundaries.set_full_flow()
+    problem.forms.artificial_viscosity.value = 0.0
     points, _ = problem.space.nodes()
-    problem.take(*predicted.fields(points), float(np.sum(predicted.flows)))
+    problem.set_flow(*predictor.fields(points), float(np.sum(predictor.flows)))
     print("from the reduced models' flow", file=problem.log, flush=True)
-    if not predicted.whole:
+    if not predictor.covers_lumen:
         free, inlet, _ = problem.residual()
-        for _ in range(min(PICARD_STEPS, max(problem.left, 0))):
+        for _ in range(min(PICARD_STEPS, max(problem.factorizations_left, 0))):
             free, inlet, _ = newton.picard(problem, free, inlet)
         free.destroy()
     settings = problem.settings
-    found = newton.newton(problem, settings.residual_absolute, settings.residual_relative, STEPS)
-    found.iterations = problem.solver.factorizations
-    return found
+    outcome = newton.newton(problem, settings.residual_absolute, settings.residual_relative, MOST_FACTORIZATIONS)
+    outcome.iterations = problem.solver.factorizations
+    return outcome

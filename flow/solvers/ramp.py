@@ -12,30 +12,32 @@ from flow.solvers import newton
 
 FRACTIONS = (0.1, 0.2, 0.35, 0.6, 1.0)
 # Most factorizations at a fraction below 1, and at the full flow. If they do not suffice, the ramp is given up.
-HARD, HARD_AT_LAST = 4, 8
+MOST_FACTORIZATIONS, MOST_AT_FULL_FLOW = 4, 8
 MOST_PICARD = 1  # steps of Picard's method at one fraction
-ON_THE_WAY = 5e-2  # at a fraction below 1, Newton's method ends when the residual has fallen to this share
+INTERMEDIATE_REDUCTION = 5e-2  # at a fraction below 1, Newton's method ends when the residual has fallen to this share
 
 
-def climb(problem, resistances_at):
+def raise_flow(problem, resistances_at):
     """Outcome at the full flow, or at the first fraction where Newton's method fails.
 
     problem: nonlinear.FlowProblem; resistances_at(fraction) -> (n,) outlet resistances in Pa s/m3.
     """
-    settings, before = problem.settings, None
-    problem.forms.artificial.value = 0.0
+    settings, last_fraction = problem.settings, None
+    problem.forms.artificial_viscosity.value = 0.0
     for fraction in FRACTIONS:
-        problem.boundaries.lower(fraction, resistances_at)
+        problem.boundaries.set_flow_fraction(fraction, resistances_at)
         print(f"flow fraction {fraction:.3g}", file=problem.log, flush=True)
-        if before and before > FRACTIONS[0]:  # a jet keeps its shape as the flow grows; the first, slow flow has no jet
-            problem.scale_to(fraction / before)
-        absolute, relative, limit = settings.residual_absolute, settings.residual_relative, HARD_AT_LAST
+        if (
+            last_fraction and last_fraction > FRACTIONS[0]
+        ):  # a jet keeps its shape as the flow grows; the first, slow flow has no jet
+            problem.scale_flow(fraction / last_fraction)
+        absolute, relative, limit = settings.residual_absolute, settings.residual_relative, MOST_AT_FULL_FLOW
         if fraction < FRACTIONS[-1]:
             free, _, norm = problem.residual()
             free.destroy()
-            absolute, relative, limit = ON_THE_WAY * norm, np.inf, HARD
-        found = newton.newton(problem, absolute, relative, limit, MOST_PICARD)
-        if not found.converged:
-            return found
-        before = fraction
-    return found
+            absolute, relative, limit = INTERMEDIATE_REDUCTION * norm, np.inf, MOST_FACTORIZATIONS
+        outcome = newton.newton(problem, absolute, relative, limit, MOST_PICARD)
+        if not outcome.converged:
+            return outcome
+        last_fraction = fraction
+    return outcome

@@ -6,43 +6,44 @@ import vtk
 from scipy.ndimage import map_coordinates
 from vtk.util.numpy_support import vtk_to_numpy
 
-from reports.figures.style import LABELS, save
+from reports.figures.style import LABELS, save_figure
 from reports.inputs.polyline import read_centreline
-from reports.inputs.reading import existing, read_polydata
+from reports.inputs.reading import require_file, read_polydata
 
-HALF_MM, PIXEL_MM = 5.0, 0.05
+HALF_WIDTH_MM, PIXEL_MM = 5.0, 0.05
 WINDOW_HU = (-200.0, 800.0)
-PLACES = ("Proximal end", "Tightest place before", "Distal end")  # in the treated segment with its margins
+SLICE_NAMES = ("Proximal end", "Tightest place before", "Distal end")  # in the treated segment with its margins
 # state of the image -> states whose lumens are drawn on it: the true lumen, and the lumen found in the image
-IMAGES = {"pre": ("pre", "ct_pre"), "reference": ("reference", "ct")}
-FOUND = ("ct_pre", "ct")
-TRUE_COLOUR, FOUND_COLOUR, PLAQUE_COLOUR = "#5fe3c0", "#ff8ad8", "#e6c229"  # for a black background
+STATES_BY_IMAGE = {"pre": ("pre", "ct_pre"), "reference": ("reference", "ct")}
+SEGMENTED_STATES = ("ct_pre", "ct")
+TRUE_COLOUR, SEGMENTED_COLOUR, PLAQUE_COLOUR = "#5fe3c0", "#ff8ad8", "#e6c229"  # for a black background
 
 
 def ct_figure(files, metrics, folder):
     """Writes <case>_ct.{svg,png} and returns their paths.
 
-    Each panel is a slice across the vessel. Rows are the CT images IMAGES, columns the PLACES along the segment.
+    Each panel is a slice across the vessel. Rows are the CT images STATES_BY_IMAGE, columns the SLICE_NAMES along the
+    segment.
     """
     before = metrics["states"]["pre"]["area"]["profile_mm2"]
-    stations = dict(zip(PLACES, (0, int(np.argmin(before)), len(before) - 1)))
+    stations = dict(zip(SLICE_NAMES, (0, int(np.argmin(before)), len(before) - 1)))
     with plt.rc_context({"figure.constrained_layout.use": False}):  # that layout would leave wide gaps between images
-        figure, grid = plt.subplots(len(IMAGES), len(PLACES), figsize=(7.5, 5.6), squeeze=False)
+        figure, grid = plt.subplots(len(STATES_BY_IMAGE), len(SLICE_NAMES), figsize=(7.5, 5.6), squeeze=False)
     figure.subplots_adjust(left=0.04, right=0.99, bottom=0.09, top=0.95, wspace=0.03, hspace=0.03)
-    for row, (image, states) in zip(grid, IMAGES.items()):
+    for row, (image, states) in zip(grid, STATES_BY_IMAGE.items()):
         line = read_centreline(files.anatomy(image) / "centreline.vtp", metrics["segment"]["branch"])
         values, origin, spacing = read_volume(files.folder / "ct" / image / "ct.nii.gz")
         for axes, (place, station) in zip(row, stations.items()):
-            centre, across = plane_at(line, metrics["states"][image]["s_mm"][station])
-            show_slice(axes, values, origin, spacing, centre, across)
+            centre, plane_axes = cross_section_plane(line, metrics["states"][image]["s_mm"][station])
+            draw_slice(axes, values, origin, spacing, centre, plane_axes)
             for state in states:
-                outline(axes, files.lumen(state), centre, across, state)
+                draw_outline(axes, files.lumen(state), centre, plane_axes, state)
             if image == "pre":
                 axes.set_title(place, fontsize=8.5)
         row[0].set_ylabel(LABELS[image])
     handles = {label: handle for axes in grid.ravel() for handle, label in zip(*axes.get_legend_handles_labels())}
     figure.legend(handles.values(), handles, loc="lower center", ncols=len(handles), fontsize=8.5)
-    return save(figure, folder, f"{files.case}_ct")
+    return save_figure(figure, folder, f"{files.case}_ct")
 
 
 def read_volume(path):
@@ -51,43 +52,46 @@ def read_volume(path):
     Centre and spacing are in mm, in the coordinates of the lumen.
     """
     reader = vtk.vtkNIFTIImageReader()
-    reader.SetFileName(str(existing(path, "data_synthetic phantom")))
+    reader.SetFileName(str(require_file(path, "data_synthetic phantom")))
     reader.Update()
     data, matrix = reader.GetOutput(), reader.GetQFormMatrix()
     values = vtk_to_numpy(data.GetPointData().GetScalars()).reshape(data.GetDimensions(), order="F")
     return values, np.array([matrix.GetElement(k, 3) for k in range(3)]), np.array(data.GetSpacing())
 
 
-def plane_at(line, s_mm):
+def cross_section_plane(line, s_mm):
     """The plane across a Polyline at arc length s_mm: (its centre (3,) in mm, two unit vectors (2, 3) in it)."""
-    centre, ahead = line.at(s_mm), line.at(s_mm + 1.0) - line.at(s_mm - 1.0)
-    ahead /= np.linalg.norm(ahead)
-    first = np.cross(ahead, np.eye(3)[np.abs(ahead).argmin()])
+    centre, tangent = line.point_at(s_mm), line.point_at(s_mm + 1.0) - line.point_at(s_mm - 1.0)
+    tangent /= np.linalg.norm(tangent)
+    first = np.cross(tangent, np.eye(3)[np.abs(tangent).argmin()])
     first /= np.linalg.norm(first)
-    return centre, np.stack([first, np.cross(ahead, first)])
+    return centre, np.stack([first, np.cross(tangent, first)])
 
 
-def show_slice(axes, values, origin, spacing, centre, across):
-    """Draws the CT in grey on a square of side 2 HALF_MM round `centre`. across (2, 3): unit vectors of its plane."""
-    at = np.arange(-HALF_MM, HALF_MM + 0.5 * PIXEL_MM, PIXEL_MM)
-    points = centre + at[None, :, None] * across[0] + at[:, None, None] * across[1]
-    where = np.moveaxis((points - origin) / spacing, -1, 0)
-    grey = map_coordinates(values.astype(np.float32), where, order=1, mode="nearest")
-    extent = (-HALF_MM, HALF_MM, -HALF_MM, HALF_MM)
+def draw_slice(axes, values, origin, spacing, centre, plane_axes):
+    """Draws the CT in grey on a square of side 2 HALF_WIDTH_MM round `centre`.
+
+    plane_axes (2, 3): unit vectors of its plane.
+    """
+    positions = np.arange(-HALF_WIDTH_MM, HALF_WIDTH_MM + 0.5 * PIXEL_MM, PIXEL_MM)
+    points = centre + positions[None, :, None] * plane_axes[0] + positions[:, None, None] * plane_axes[1]
+    indices = np.moveaxis((points - origin) / spacing, -1, 0)
+    grey = map_coordinates(values.astype(np.float32), indices, order=1, mode="nearest")
+    extent = (-HALF_WIDTH_MM, HALF_WIDTH_MM, -HALF_WIDTH_MM, HALF_WIDTH_MM)
     axes.imshow(grey, cmap="gray", vmin=WINDOW_HU[0], vmax=WINDOW_HU[1], origin="lower", extent=extent)
     axes.grid(False)
     axes.set(xticks=[], yticks=[])
 
 
-def outline(axes, lumen, centre, across, state):
+def draw_outline(axes, lumen, centre, plane_axes, state):
     """Draws the outline of a lumen file in the plane and, for state `pre`, the plaque's outer edge if it has one.
 
-    centre (3,) and across (2, 3): point and unit vectors of the plane. Of several outlines the nearest is drawn.
+    centre (3,) and plane_axes (2, 3): point and unit vectors of the plane. Of several outlines the nearest is drawn.
     """
     surface = read_polydata(lumen, "anatomy")
     plane = vtk.vtkPlane()
     plane.SetOrigin(*centre)
-    plane.SetNormal(*np.cross(*across))
+    plane.SetNormal(*np.cross(*plane_axes))
     cutter = vtk.vtkCutter()
     cutter.SetInputData(surface)
     cutter.SetCutFunction(plane)
@@ -100,16 +104,16 @@ def outline(axes, lumen, centre, across, state):
     cut.SetInputConnection(nearest.GetOutputPort())
     cut.Update()
     points = vtk_to_numpy(cut.GetOutput().GetPoints().GetData())
-    flat = (points - centre) @ across.T
-    order = np.argsort(np.arctan2(*(flat - flat.mean(0)).T[::-1]))
-    ring = flat[np.append(order, order[0])]
-    if state in FOUND:
-        axes.plot(*ring.T, color=FOUND_COLOUR, linestyle=":", label="Lumen found in the CT")
+    in_plane = (points - centre) @ plane_axes.T
+    order = np.argsort(np.arctan2(*(in_plane - in_plane.mean(0)).T[::-1]))
+    ring = in_plane[np.append(order, order[0])]
+    if state in SEGMENTED_STATES:
+        axes.plot(*ring.T, color=SEGMENTED_COLOUR, linestyle=":", label="Lumen found in the CT")
     else:
         axes.plot(*ring.T, color=TRUE_COLOUR, linewidth=1.2, label="True lumen")
     thickness = cut.GetOutput().GetPointData().GetArray("plaque_thickness_mm")
     if thickness is not None and state == "pre":
-        behind = np.nan_to_num(vtk_to_numpy(thickness))[np.append(order, order[0])]
-        outwards = ring - flat.mean(0)
-        edge = ring + outwards / np.linalg.norm(outwards, axis=1, keepdims=True) * behind[:, None]
+        plaque_thickness = np.nan_to_num(vtk_to_numpy(thickness))[np.append(order, order[0])]
+        outwards = ring - in_plane.mean(0)
+        edge = ring + outwards / np.linalg.norm(outwards, axis=1, keepdims=True) * plaque_thickness[:, None]
         axes.plot(*edge.T, color=PLAQUE_COLOUR, linewidth=1.2, label="Outer edge of the plaque")

@@ -5,14 +5,14 @@ import math
 import matplotlib.pyplot as plt
 import numpy as np
 
-from reports.figures.style import COLOURS, LABELS, SEGMENT_COLOUR, draw_state, save
-from reports.measuring.measured import FFR_THRESHOLD
+from reports.figures.style import COLOURS, LABELS, SEGMENT_COLOUR, draw_state, save_figure
+from reports.measuring.pressure_wire import FFR_THRESHOLD
 from reports.measuring.profiles import read_pullback, read_pullback_error
 
-SIZE = (6.6, 3.6)  # inches
+FIGURE_SIZE = (6.6, 3.6)  # inches
 # the wire's readings: key in metrics.json, words, fill colour of the mark
-WIRE = (("ffr_pre", "before PCI", "none"), ("ffr_post", "after PCI", COLOURS["measured"]))
-BAND = 0.25  # opacity of the band of estimated error round a curve
+WIRE_MARKS = (("ffr_pre", "before PCI", "none"), ("ffr_post", "after PCI", COLOURS["measured"]))
+ERROR_BAND_OPACITY = 0.25  # opacity of the band of estimated error round a curve
 HEADROOM = 0.12  # room above the curves for the name of the shaded segment, as a share of the height below
 LEGEND_ROW, LEGEND_MARGIN = 0.18, 0.12  # inches: height of a row of the legend, and of the space round it
 
@@ -22,7 +22,7 @@ def pullback_figure(files, metrics, folder):
 
     Each curve has a band of its estimated error. Marks show FFR measured by a pressure wire in this branch.
     """
-    figure, axes = plt.subplots(figsize=SIZE)
+    figure, axes = plt.subplots(figsize=FIGURE_SIZE)
     shade_segment(axes, metrics["segment"])
     lowest = 1.0
     for state in (name for name, entry in metrics["states"].items() if entry["ffr"] is not None):
@@ -30,7 +30,9 @@ def pullback_figure(files, metrics, folder):
         (line, ffr), error = read_pullback(path, branch), read_pullback_error(path, branch)
         draw_state(axes, state, line.s_mm, ffr)
         if np.isfinite(error).any():
-            axes.fill_between(line.s_mm, ffr - error, ffr + error, color=COLOURS[state], alpha=BAND, linewidth=0)
+            axes.fill_between(
+                line.s_mm, ffr - error, ffr + error, color=COLOURS[state], alpha=ERROR_BAND_OPACITY, linewidth=0
+            )
         lowest = min(lowest, ffr.min(), max(0.0, np.nanmin([lowest, *(ffr - error)])))
     lowest = min(lowest, draw_wire(axes, metrics))
     axes.axhline(FFR_THRESHOLD, color="#b0413e", linewidth=0.9, linestyle=(0, (2, 2)))
@@ -40,7 +42,7 @@ def pullback_figure(files, metrics, folder):
     axes.set(title="FFR pull-back", ylabel="FFR", ylim=(lower, 1.0 + HEADROOM * (1.0 - lower)), xmargin=0.0)
     axes.set_xlabel(f"distance along {metrics['segment']['branch']} (mm)")
     legend_below(figure)
-    save(figure, folder, f"{metrics['case']}_pullback")
+    save_figure(figure, folder, f"{metrics['case']}_pullback")
 
 
 def draw_wire(axes, metrics):
@@ -51,11 +53,11 @@ def draw_wire(axes, metrics):
     measured = metrics.get("measured")
     if not measured or measured["branch"] != metrics["segment"]["branch"]:
         return 1.0
-    read = [(measured[key], words, face) for key, words, face in WIRE if measured[key] is not None]
-    for ffr, words, face in read:
-        label = f"{LABELS['measured']} {words}: {ffr:.2f}"
+    readings = [(measured[key], moment, face) for key, moment, face in WIRE_MARKS if measured[key] is not None]
+    for ffr, moment, face in readings:
+        label = f"{LABELS['measured']} {moment}: {ffr:.2f}"
         axes.plot(measured["s_mm"], ffr, "D", color=COLOURS["measured"], markerfacecolor=face, label=label, zorder=5)
-    return min(ffr for ffr, _, _ in read)
+    return min(ffr for ffr, _, _ in readings)
 
 
 def legend_below(figure):
@@ -81,7 +83,7 @@ def segment_figure(metrics, folder, name, title, label, profile, mean):
     States are drawn at equal relative position. profile, mean: functions of a state's entry in metrics.json, which
     return the values at the stations and the mean as a text.
     """
-    figure, axes = plt.subplots(figsize=SIZE)
+    figure, axes = plt.subplots(figsize=FIGURE_SIZE)
     length = metrics["segment"]["s_end_mm"] - metrics["segment"]["s_start_mm"]
     x = [length * value for value in metrics["stations"]["relative_position"]]
     margin = metrics["segment"]["margin_mm"]
@@ -93,7 +95,7 @@ def segment_figure(metrics, folder, name, title, label, profile, mean):
     top = max(max(profile(entry)) for entry in metrics["states"].values())
     axes.set_ylim(0.0, (1.0 + HEADROOM) * top)
     legend_below(figure)
-    save(figure, folder, f"{metrics['case']}_{name}")
+    save_figure(figure, folder, f"{metrics['case']}_{name}")
 
 
 def area_figure(metrics, folder):

@@ -6,18 +6,20 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 from scipy.spatial import cKDTree
 
-from reports.figures.style import LABELS, save
-from reports.inputs.case_files import pictured
+from reports.figures.style import LABELS, save_figure
+from reports.inputs.case_files import states_in_3d
 from reports.inputs.reading import read_table
 from reports.measuring.profiles import PULLBACK_NUMBERS
 from reports.inputs.surface import read_device, read_lumen
 
 MOST_TRIANGLES = 9000
-LIGHT = np.array([0.35, 0.45, 0.82]) / np.linalg.norm([0.35, 0.45, 0.82])  # towards the light, in the view's axes
-AMBIENT = 0.35  # brightness of a triangle that no light falls on
-FAR_WALL, NEAR_WALL = 1.0, 0.30  # opacity of the wall; struts are visible through the near wall
+LIGHT_DIRECTION = np.array([0.35, 0.45, 0.82]) / np.linalg.norm(
+    [0.35, 0.45, 0.82]
+)  # towards the light, in the view's axes
+AMBIENT_BRIGHTNESS = 0.35  # brightness of a triangle that no light falls on
+FAR_WALL_OPACITY, NEAR_WALL_OPACITY = 1.0, 0.30  # opacity of the wall; struts are visible through the near wall
 COLOUR_MAP = "viridis"
-UNKNOWN = (0.75, 0.75, 0.75, 1.0)  # colour of a lumen without FFR
+NO_FFR_COLOUR = (0.75, 0.75, 0.75, 1.0)  # colour of a lumen without FFR
 FIGURE_WIDTH = 10.0  # inches
 SCALE_BAR_MM = 10.0
 
@@ -27,11 +29,11 @@ def lumen_figure(files, metrics, folder):
 
     Each lumen is coloured by FFR. The lumen after virtual PCI also shows the stents.
     """
-    states = pictured(metrics["states"])
+    states = states_in_3d(metrics["states"])
     surfaces = {state: read_lumen(files.lumen(state), MOST_TRIANGLES) for state in states}
     values = {state: nearest_ffr(files, state, surfaces[state].points) for state in states if files.has_flow(state)}
     scale = Normalize(min(0.8, min(v.min() for v in values.values())), 1.0)
-    devices = [device for device in map(read_device, files.struts()) if device] if "vci" in states else []
+    devices = [device for device in map(read_device, files.strut_files()) if device] if "vci" in states else []
     axes3 = view_axes(surfaces["pre"].points)
     low = np.min([(s.points @ axes3.T).min(0) for s in surfaces.values()], axis=0)[:2] - 1.0
     high = np.max([(s.points @ axes3.T).max(0) for s in surfaces.values()], axis=0)[:2] + 1.0
@@ -50,7 +52,7 @@ def lumen_figure(files, metrics, folder):
     bar = figure.colorbar(mappable, ax=grid, shrink=0.6, aspect=30, pad=0.01)
     bar.set_label("FFR")
     bar.outline.set_visible(False)
-    save(figure, folder, f"{metrics['case']}_lumen")
+    save_figure(figure, folder, f"{metrics['case']}_lumen")
 
 
 def panel_grid(count, aspect):
@@ -61,9 +63,9 @@ def panel_grid(count, aspect):
     best = None
     for columns in range(1, count + 1):
         rows = -(-count // columns)
-        wanted = abs(np.log(columns * aspect / rows / (16 / 9))) + 2.0 * np.log(rows * columns / count)
-        if best is None or wanted < best[0]:
-            best = (wanted, rows, columns)
+        penalty = abs(np.log(columns * aspect / rows / (16 / 9))) + 2.0 * np.log(rows * columns / count)
+        if best is None or penalty < best[0]:
+            best = (penalty, rows, columns)
     _, rows, columns = best
     return rows, columns, (FIGURE_WIDTH, (FIGURE_WIDTH - 1.0) / columns / aspect * rows + 0.35 * rows)
 
@@ -98,19 +100,19 @@ def draw_lumen(axes, surface, values, scale, axes3, devices):
 
     values (n,): FFR at the surface's points; without them the wall is grey. axes3 (3, 3): see view_axes.
     """
-    colours = np.full((len(surface.triangles), 4), UNKNOWN)
+    colours = np.full((len(surface.triangles), 4), NO_FFR_COLOUR)
     if values is not None:
         colours = plt.get_cmap(COLOUR_MAP)(scale(values[surface.triangles].mean(1)))
-    facing = paint_order(surface, axes3)
-    add_triangles(axes, facing, ~facing["near"], colours, FAR_WALL)
+    wall = project_triangles(surface, axes3)
+    draw_triangles(axes, wall, ~wall["near"], colours, FAR_WALL_OPACITY)
     for device in devices:
-        strut = paint_order(device, axes3)
+        strut = project_triangles(device, axes3)
         grey = np.full((len(device.triangles), 4), [0.16, 0.16, 0.2, 1.0])
-        add_triangles(axes, strut, strut["near"], grey, 1.0)
-    add_triangles(axes, facing, facing["near"], colours, NEAR_WALL if devices else 1.0)
+        draw_triangles(axes, strut, strut["near"], grey, 1.0)
+    draw_triangles(axes, wall, wall["near"], colours, NEAR_WALL_OPACITY if devices else 1.0)
 
 
-def paint_order(surface, axes3):
+def project_triangles(surface, axes3):
     """{corners (m, 3, 2), depth (m,), shade (m,), near (m,)} of the triangles of a Surface, seen along axes3[2].
 
     corners and depth are in mm, in the axes of the view. shade: brightness. near: whether it faces the viewer.
@@ -118,23 +120,23 @@ def paint_order(surface, axes3):
     corners = (surface.points @ axes3.T)[surface.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
-    shade = AMBIENT + (1.0 - AMBIENT) * np.abs(normal @ LIGHT)
+    shade = AMBIENT_BRIGHTNESS + (1.0 - AMBIENT_BRIGHTNESS) * np.abs(normal @ LIGHT_DIRECTION)
     return {"corners": corners[:, :, :2], "depth": corners[:, :, 2].mean(1), "shade": shade, "near": normal[:, 2] > 0}
 
 
-def add_triangles(axes, seen, mask, colours, opacity):
-    """Draws the triangles of `mask` (m,), furthest first. seen: from paint_order; colours: (m, 4).
+def draw_triangles(axes, projected, mask, colours, opacity):
+    """Draws the triangles of `mask` (m,), furthest first. projected: from project_triangles; colours: (m, 4).
 
     In the SVG they are pixels, since thousands of shapes would make a huge file.
     """
     rows = np.flatnonzero(mask)
-    rows = rows[np.argsort(seen["depth"][rows], kind="stable")]
+    rows = rows[np.argsort(projected["depth"][rows], kind="stable")]
     faces = colours[rows].copy()
-    faces[:, :3] *= seen["shade"][rows, None]
+    faces[:, :3] *= projected["shade"][rows, None]
     faces[:, 3] = opacity
     edges = faces if opacity == 1.0 else "none"  # edges close the thin gaps between opaque triangles
     axes.add_collection(
-        PolyCollection(seen["corners"][rows], facecolors=faces, edgecolors=edges, linewidths=0.3, rasterized=True)
+        PolyCollection(projected["corners"][rows], facecolors=faces, edgecolors=edges, linewidths=0.3, rasterized=True)
     )
 
 

@@ -2,9 +2,9 @@
 
 import matplotlib.pyplot as plt
 
-from reports.figures.style import COLOURS, save
-from reports.study.agreement import published
-from reports.study.seconds import by_case, stage_seconds
+from reports.figures.style import COLOURS, save_figure
+from reports.study.agreement import published_results
+from reports.study.seconds import seconds_by_group, stage_seconds
 
 PANELS = (("stage", "Seconds by stage"), ("step", "Seconds by step"), ("all", "In all"))
 PUBLISHED_COLOUR = "#8a8a8a"
@@ -15,7 +15,7 @@ def seconds_figure(timings, folder):
     stages = stage_seconds(timings)
     if stages.empty:
         return
-    groups, paper = by_case(stages), published()["seconds"]
+    groups, paper = seconds_by_group(stages), published_results()["seconds"]
     figure, row = plt.subplots(1, 3, figsize=(11.0, 3.4), width_ratios=(3, 3, 1))
     for axes, (by, title) in zip(row, PANELS):
         names = [name for kind, name in groups if kind == by]
@@ -34,4 +34,4 @@ def seconds_figure(timings, folder):
         axes.set_ylim(0, 1.15 * axes.dataLim.y1)
     row[0].set_ylabel("s")
     row[0].legend(loc="center right", fontsize=8.5)
-    save(figure, folder, "seconds")
+    save_figure(figure, folder, "seconds")

@@ -4,39 +4,39 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from reports.figures.lumen import draw_lumen, draw_scale_bar, view_axes
-from reports.figures.style import COLOURS, LABELS, save
+from reports.figures.style import COLOURS, LABELS, save_figure
 from reports.inputs.polyline import read_centreline
 from reports.inputs.surface import read_lumen
 
 STATES = ("pre", "vci", "reference", "post")
-SHOWN = 10  # about this many stations are drawn, evenly spaced along the segment
+SHOWN_STATIONS = 10  # about this many stations are drawn, evenly spaced along the segment
 MOST_TRIANGLES = 6000
 MARGIN_MM, LABEL_MM = 4.0, 0.9  # vessel shown beyond the segment; from a section's end to its label
-WIDTH, MOST_HEIGHT = 7.6, 3.6  # inches: of the figure, of a panel
-STEP_MM = 0.5  # distance to either side of a station at which the axis' direction is measured
-OVER = 1.25  # length of a section's line as a multiple of the lumen's diameter
+FIGURE_WIDTH, LARGEST_PANEL_HEIGHT = 7.6, 3.6  # inches: of the figure, of a panel
+TANGENT_STEP_MM = 0.5  # distance to either side of a station at which the axis' direction is measured
+LINE_LENGTH_FACTOR = 1.25  # length of a section's line as a multiple of the lumen's diameter
 
 
 def stations_figure(files, metrics, folder):
     """Writes <case>_stations.{svg,png}: a panel for each state, in which stations have their distance and area."""
     states = [state for state in STATES if state in metrics["states"]]
-    chosen = np.unique(np.linspace(0, metrics["stations"]["used"] - 1, SHOWN + 1).round().astype(int))
-    marks = {state: sections(files, metrics, state, chosen) for state in states}
+    chosen = np.unique(np.linspace(0, metrics["stations"]["used"] - 1, SHOWN_STATIONS + 1).round().astype(int))
+    marks = {state: station_marks(files, metrics, state, chosen) for state in states}
     axes3 = view_axes(np.concatenate([mark["points"] for mark in marks.values()]))
     flat = np.concatenate([mark["points"] @ axes3.T for mark in marks.values()])
     low, high = flat.min(0)[:2] - MARGIN_MM, flat.max(0)[:2] + MARGIN_MM
-    height = min(MOST_HEIGHT, WIDTH * (high - low)[1] / (high - low)[0] + 0.3)
-    figure, grid = plt.subplots(len(states), 1, figsize=(WIDTH, height * len(states)), squeeze=False)
+    height = min(LARGEST_PANEL_HEIGHT, FIGURE_WIDTH * (high - low)[1] / (high - low)[0] + 0.3)
+    figure, grid = plt.subplots(len(states), 1, figsize=(FIGURE_WIDTH, height * len(states)), squeeze=False)
     for axes, state in zip(grid[:, 0], states):
         axes.set_axis_off()
         draw_lumen(axes, read_lumen(files.lumen(state), MOST_TRIANGLES), None, None, axes3, [])
         draw_sections(axes, marks[state], axes3, COLOURS[state])
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", title=LABELS[state])
     draw_scale_bar(grid[-1, 0], low + 0.3)
-    save(figure, folder, f"{metrics['case']}_stations")
+    save_figure(figure, folder, f"{metrics['case']}_stations")
 
 
-def sections(files, metrics, state, chosen):
+def station_marks(files, metrics, state, chosen):
     """{points (n, 3), tangents (n, 3), area_mm2 (n,), distance_mm (n,)} of some stations on a state's axis.
 
     chosen (n,): indices of the stations. distance_mm: from the proximal end of the segment, on the vessel before PCI.
@@ -46,8 +46,8 @@ def sections(files, metrics, state, chosen):
     s = np.array(entry["s_mm"])[chosen]
     length = segment["s_end_mm"] - segment["s_start_mm"]
     return {
-        "points": line.at(s),
-        "tangents": line.at(s + STEP_MM) - line.at(s - STEP_MM),
+        "points": line.point_at(s),
+        "tangents": line.point_at(s + TANGENT_STEP_MM) - line.point_at(s - TANGENT_STEP_MM),
         "area_mm2": np.array(entry["area"]["profile_mm2"])[chosen],
         "distance_mm": length * np.array(metrics["stations"]["relative_position"])[chosen],
     }
@@ -56,16 +56,16 @@ def sections(files, metrics, state, chosen):
 def draw_sections(axes, marks, axes3, colour):
     """Draws a line across the vessel at each station; beside it the distance along the segment and the area.
 
-    marks: from `sections`. axes3 (3, 3): the axes of the view.
+    marks: from `station_marks`. axes3 (3, 3): the axes of the view.
     """
     points, tangents = marks["points"] @ axes3.T, marks["tangents"] @ axes3.T
     across = np.stack([-tangents[:, 1], tangents[:, 0]], axis=1)
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     across *= np.where(across[:, 1:] < 0, -1.0, 1.0)  # labels above the vessel
-    half = OVER * np.sqrt(marks["area_mm2"] / np.pi)
+    half = LINE_LENGTH_FACTOR * np.sqrt(marks["area_mm2"] / np.pi)
     rows = zip(points[:, :2], across, half, marks["area_mm2"], marks["distance_mm"])
-    for point, direction, reach, area, distance in rows:
-        ends = np.array([point - reach * direction, point + reach * direction])
+    for point, direction, half_length, area, distance in rows:
+        ends = np.array([point - half_length * direction, point + half_length * direction])
         axes.plot(*ends.T, color=colour, linewidth=1.3, zorder=5)
         label = ends[1] + LABEL_MM * direction
         axes.text(*label, f"{distance:.1f} mm\n{area:.1f} mm²", ha="center", va="center", fontsize=7, zorder=6)

@@ -3,18 +3,18 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from reports.inputs.case_files import TRUTHS
-from reports.study.agreement import QUANTITIES, paired_values, published
+from reports.inputs.case_files import TRUE_STATES
+from reports.study.agreement import QUANTITIES, paired_values, published_results
 from reports.study.bland_altman import bland_altman
-from reports.study.differences import compared
-from reports.study.inclusion import analysed
+from reports.study.differences import compared_pairs
+from reports.study.inclusion import analysed_documents
 from reports.figures.differences import differences_figure
-from reports.figures.style import COLOURS, ERRORS, LABELS, save
-from reports.measuring.measured import FFR_THRESHOLD
+from reports.figures.style import COLOURS, ERROR_LABELS, LABELS, save_figure
+from reports.measuring.pressure_wire import FFR_THRESHOLD
 from reports.measuring.metrics import COMPARISONS
 
 # title, unit, and least width of the horizontal axis, so that rounding errors do not fill it
-TITLES = {
+QUANTITY_AXES = {
     "ffr": ("FFR", "", 0.1),
     "mean_area": ("Mean CSA", " (mm²)", 2.0),
     "minimum_area": ("Smallest CSA", " (mm²)", 2.0),
@@ -30,7 +30,7 @@ MARKERS = {
     "ct_rc": "^",
     "post": "P",
 }
-BEFORE = {"pre": "v"}
+BEFORE_MARKER = {"pre": "v"}
 ROW_HEIGHT, LEGEND_ROW, LEGEND_MARGIN = 3.0, 0.2, 0.2  # inches: heights of a row of panels, of the legend's parts
 PUBLISHED_COLOUR = "#b9b9b9"
 
@@ -39,14 +39,15 @@ def study_figures(documents, folder):
     """Writes agreement.{svg,png}, differences.{svg,png} and ffr_before_after.{svg,png}.
 
     agreement needs a case with a reference, a lumen after PCI or a measured FFR. differences needs a case in which a
-    prediction is compared with a lumen after PCI. These two show the included patients (`analysed`), the third all.
+    prediction is compared with a lumen after PCI. These two show the included patients (`analysed_documents`), the
+    third all.
     """
-    known = [one for one in documents if one.get("measured") or set(TRUTHS) & set(one["states"])]
-    if known:
-        agreement_figure(analysed(known), folder)
-    along = [one for one in documents if compared([one])]
-    if along:
-        differences_figure(analysed(along), folder)
+    with_truth = [one for one in documents if one.get("measured") or set(TRUE_STATES) & set(one["states"])]
+    if with_truth:
+        agreement_figure(analysed_documents(with_truth), folder)
+    with_prediction = [one for one in documents if compared_pairs([one])]
+    if with_prediction:
+        differences_figure(analysed_documents(with_prediction), folder)
     ffr_figure(documents, folder)
 
 
@@ -55,11 +56,13 @@ def agreement_figure(documents, folder):
 
     The published agreement is of the kind `clinical` and is drawn in that row.
     """
-    comparisons = {kind: [(a, b) for a, b, error in COMPARISONS if error == kind] for kind in ERRORS}
+    comparisons = {kind: [(a, b) for a, b, error in COMPARISONS if error == kind] for kind in ERROR_LABELS}
     shown = [
-        kind for kind in ERRORS if any(has_pairs(documents, quantity, comparisons[kind]) for quantity in QUANTITIES)
+        kind
+        for kind in ERROR_LABELS
+        if any(has_pairs(documents, quantity, comparisons[kind]) for quantity in QUANTITIES)
     ]
-    entries = sum(has_pairs(documents, best(kind), [pair]) for kind in shown for pair in comparisons[kind])
+    entries = sum(has_pairs(documents, common_quantity(kind), [pair]) for kind in shown for pair in comparisons[kind])
     legend_height = LEGEND_MARGIN + LEGEND_ROW * -(-(entries + ("clinical" in shown)) // 2)
     height = ROW_HEIGHT * len(shown) + legend_height
     figure, grid = plt.subplots(len(shown), len(QUANTITIES), figsize=(13.5, height), squeeze=False)
@@ -70,18 +73,18 @@ def agreement_figure(documents, folder):
                 continue
             agreement_panel(axes, documents, quantity, comparisons[kind], kind == "clinical")
         first = next(axes for axes in row if axes.axison)
-        first.set_ylabel(f"{ERRORS[kind]}\n{first.get_ylabel()}")
-    columns = [row[list(QUANTITIES).index(best(kind))] for row, kind in zip(grid, shown)]
+        first.set_ylabel(f"{ERROR_LABELS[kind]}\n{first.get_ylabel()}")
+    columns = [row[list(QUANTITIES).index(common_quantity(kind))] for row, kind in zip(grid, shown)]
     legend = {label: handle for axes in columns for handle, label in zip(*axes.get_legend_handles_labels())}
     if "clinical" in shown:
         legend["published bias and limits (n = 9)"] = plt.Rectangle((0, 0), 1, 1, color=PUBLISHED_COLOUR, alpha=0.4)
     figure.legend(legend.values(), legend.keys(), loc="lower center", ncol=2)
     bottom = legend_height / height
     figure.get_layout_engine().set(rect=(0, bottom, 1, 1 - bottom))
-    save(figure, folder, "agreement")
+    save_figure(figure, folder, "agreement")
 
 
-def best(kind):
+def common_quantity(kind):
     """The quantity that all cases with this kind of error have.
 
     A pressure wire measures FFR only. A lumen always has an area, but it may have no flow.
@@ -96,7 +99,7 @@ def has_pairs(documents, quantity, pairs):
 
 def agreement_panel(axes, documents, quantity, pairs, with_published):
     """Bland-Altman plot of one quantity: a - b against the mean of both, for each pair of states (a, b)."""
-    source = published()["quantities"].get(quantity) if with_published else None
+    source = published_results()["quantities"].get(quantity) if with_published else None
     if source:
         axes.axhspan(source["loa_lower"], source["loa_upper"], color=PUBLISHED_COLOUR, alpha=0.22, linewidth=0)
         axes.axhline(source["bias"], color=PUBLISHED_COLOUR, linewidth=1.2)
@@ -105,7 +108,7 @@ def agreement_panel(axes, documents, quantity, pairs, with_published):
         cases, first, second = paired_values(documents, quantity, a, b)
         if cases:
             draw_pairs(axes, a, b, np.array(first), np.array(second))
-    title, unit, least = TITLES[quantity]
+    title, unit, least = QUANTITY_AXES[quantity]
     low, high = axes.get_xlim()
     if high - low < least:
         axes.set_xlim(0.5 * (low + high - least), 0.5 * (low + high + least))
@@ -113,14 +116,22 @@ def agreement_panel(axes, documents, quantity, pairs, with_published):
     axes.set(title=title, xlabel=f"mean of both{unit}", ylabel=f"difference{unit}")
 
 
-def draw_pairs(axes, state, other, a, b):
+def draw_pairs(axes, first_state, second_state, a, b):
     """Draws the points of one comparison, with its bias (solid) and limits of agreement (dashed).
 
-    a, b: values (n,) of the patients in `state` and in `other`.
+    a, b: values (n,) of the patients in `first_state` and in `second_state`.
     """
-    result, colour = bland_altman(a, b), COLOURS[state]
-    label = f"{LABELS[state]} - {LABELS[other]} (n = {result.n})"
-    axes.plot(0.5 * (a + b), a - b, {**MARKERS, **BEFORE}[state], color=colour, markersize=6, alpha=0.85, label=label)
+    result, colour = bland_altman(a, b), COLOURS[first_state]
+    label = f"{LABELS[first_state]} - {LABELS[second_state]} (n = {result.n})"
+    axes.plot(
+        0.5 * (a + b),
+        a - b,
+        {**MARKERS, **BEFORE_MARKER}[first_state],
+        color=colour,
+        markersize=6,
+        alpha=0.85,
+        label=label,
+    )
     axes.axhline(result.bias, color=colour, linewidth=1.3)
     if result.sd is not None:
         for limit in (result.loa_lower, result.loa_upper):
@@ -149,4 +160,4 @@ def ffr_figure(documents, folder):
     axes.set(xlabel="FFR before PCI", ylabel="FFR after PCI", xlim=(low, 1.005), ylim=(low, 1.005), aspect="equal")
     axes.set_title("FFR before and after")
     axes.legend(loc="lower right", fontsize=8.5, frameon=True, framealpha=1.0, edgecolor="none")
-    save(figure, folder, "ffr_before_after")
+    save_figure(figure, folder, "ffr_before_after")

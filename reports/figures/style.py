@@ -19,7 +19,7 @@ COLOURS = {
     "post": "#111111",
 }
 COLOURS["measured"] = "#b0413e"  # the pressure wire's reading: a mark, not a curve
-DASHES = {
+LINE_STYLES = {
     "pre": (0, (4, 2)),
     "vci": "-",
     "rc": (0, (1.2, 1.2)),
@@ -42,7 +42,7 @@ LABELS = {
     "post": "After the real PCI",
     "measured": "Pressure wire",
 }
-SHORT = {
+SHORT_LABELS = {
     "pre": "before",
     "vci": "VCI",
     "rc": "radius",
@@ -51,14 +51,14 @@ SHORT = {
     "ct": "CT",
     "post": "after PCI",
 }
-SHORT |= {"ct_vci": "VCI, CT", "ct_rc": "radius, CT", "measured": "wire"}
-ERRORS = {
+SHORT_LABELS |= {"ct_vci": "VCI, CT", "ct_rc": "radius, CT", "measured": "wire"}
+ERROR_LABELS = {
     "method": "Method",
     "imaging_before": "Imaging before",
     "imaging_after": "Imaging after",
     "clinical": "All together (clinical)",
 }
-ERRORS["measured"] = "Computed minus measured"
+ERROR_LABELS["measured"] = "Computed minus measured"
 SEGMENT_COLOUR = "#f2efe6"
 
 matplotlib.rcParams.update(
@@ -93,10 +93,10 @@ matplotlib.rcParams.update(
 
 def draw_state(axes, state, x, y):
     """Draws a state's curve y over x in the state's colour and line style, with its label."""
-    axes.plot(x, y, color=COLOURS[state], linestyle=DASHES[state], label=LABELS[state])
+    axes.plot(x, y, color=COLOURS[state], linestyle=LINE_STYLES[state], label=LABELS[state])
 
 
-def save(figure, folder, name):
+def save_figure(figure, folder, name):
     """Writes <name>.svg and <name>.png, without dates, and closes the figure. Returns their paths."""
     paths = [folder / f"{name}.svg", folder / f"{name}.png"]
     for path, metadata in zip(paths, ({"Date": None, "Creator": None}, {"Software": None})):

@@ -11,12 +11,12 @@ from reports.inputs.reading import entry, number, read_json
 # post: the lumen found after the real procedure.
 STATES = ("pre", "vci", "rc", "rc_stent", "reference", "ct", "ct_vci", "ct_rc", "post")
 PREDICTED_FROM_CT = ("ct_vci", "ct_rc")
-FROM_CT = ("ct", *PREDICTED_FROM_CT)
-TRUTHS = ("reference", "post")  # true lumens after PCI; of a case with both the first counts
-ARMS = ("half_maximum",)  # further segmentations of the CT volumes; each has a folder in the case's folder
+CT_STATES = ("ct", *PREDICTED_FROM_CT)
+TRUE_STATES = ("reference", "post")  # true lumens after PCI; of a case with both the first counts
+SEGMENTATION_ARMS = ("half_maximum",)  # further segmentations of the CT volumes; each has a folder in the case's folder
 
 
-def pictured(states):
+def states_in_3d(states):
     """Those of `states` that are shown in 3D.
 
     Predictions from CT are left out, since they look like the other predictions.
@@ -24,16 +24,16 @@ def pictured(states):
     return [state for state in states if state not in PREDICTED_FROM_CT]
 
 
-IMAGED = ("pre", "reference")  # states of which there may be a CT volume
+CT_IMAGED_STATES = ("pre", "reference")  # states of which there may be a CT volume
 
 
 @dataclasses.dataclass(frozen=True)
 class CaseFiles:
     """The files of one case below its folder.
 
-    arm: one of ARMS, a further segmentation of the CT volumes, or "" for the main one. With an arm the lumens of
-    the states FROM_CT come from that segmentation. Their FFR comes from the calibrated 1D flow network, not from 3D
-    flow.
+    arm: one of SEGMENTATION_ARMS, a further segmentation of the CT volumes, or "" for the main one. With an arm the
+    lumens of the states CT_STATES come from that segmentation. Their FFR comes from the calibrated 1D flow network, not
+    from 3D flow.
     """
 
     case: str
@@ -66,7 +66,7 @@ class CaseFiles:
 
     def anatomy(self, state):
         """The anatomy folder of a state; `pre` has the anatomy made first, in the case's own folder."""
-        if self.arm and state in FROM_CT:
+        if self.arm and state in CT_STATES:
             return self.folder / self.arm / state / "anatomy"
         return self.folder / "anatomy" if state == "pre" else self.folder / state / "anatomy"
 
@@ -78,7 +78,7 @@ class CaseFiles:
         """The segmentation.json of a state's CT."""
         return self.folder / self.arm / "ct" / state / "segmentation.json"
 
-    def source_reading(self):
+    def lumen_record(self):
         """(kind, path) of the record of a real patient's lumen, or None.
 
         It is segmentation.json of a CT, or contours.json of contours.
@@ -102,25 +102,25 @@ class CaseFiles:
 
         For the lumens of an arm it never is.
         """
-        if self.arm and state in FROM_CT:
+        if self.arm and state in CT_STATES:
             return False
         if state != "post":
             return True
         return entry(read_json(self.registration, "anatomy register"), "compare", self.registration) == "flow"
 
-    def network_answer(self, state):
+    def network_ffr(self, state):
         """FFR of an arm's lumen by the calibrated 1D network, with its error, in the form of ffr.json.
 
         None without an arm, for a state whose lumen does not depend on the arm, or if the network was not solved.
         """
         path = self.folder / self.arm / "ffr.json"
-        if not self.arm or state not in FROM_CT or not path.exists():
+        if not self.arm or state not in CT_STATES or not path.exists():
             return None
         document = read_json(path, "whatif lumens")
         ffr, error = (number(document, key, path) for key in (f"lumens.{state}.ffr", "error"))
         return {"ffr": ffr, "model": entry(document, "model", path), "error_estimate": {"ffr": error}}
 
-    def struts(self):
+    def strut_files(self):
         """Files of the stents' struts after deployment, sorted by name. Balloons have none: they leave the vessel."""
         return sorted((self.folder / "vci" / "devices").glob("*_struts.vtp"))
 

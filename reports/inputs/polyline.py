@@ -6,20 +6,20 @@ import numpy as np
 
 from common import vtp
 from common.errors import InputError
-from reports.inputs.reading import array_of, read_polydata
+from reports.inputs.reading import read_array, read_polydata
 
 
 @dataclasses.dataclass(frozen=True)
 class Polyline:
     """Points (n, 3) in mm with increasing arc length s_mm (n,); `source` is the file, for messages.
 
-    surveyed_per_mm: the curvature (n,) in 1/mm that the anatomy step wrote at these points, or None.
+    anatomy_curvature_per_mm: the curvature (n,) in 1/mm that the anatomy step wrote at these points, or None.
     """
 
     points: np.ndarray
     s_mm: np.ndarray
     source: str
-    surveyed_per_mm: np.ndarray = None
+    anatomy_curvature_per_mm: np.ndarray = None
 
     def __post_init__(self):
         if len(self.s_mm) < 2:
@@ -31,7 +31,7 @@ class Polyline:
             where = f"{self.source}: point {int(steps.argmin()) + 1}"
             raise InputError("arc length does not increase along a line", where, steps.min(), "repeat the anatomy step")
 
-    def at(self, s_mm):
+    def point_at(self, s_mm):
         """Points (..., 3) in mm at arc lengths s_mm (...), by linear interpolation. Beyond an end: the end point."""
         return np.stack([np.interp(s_mm, self.s_mm, self.points[:, k]) for k in range(3)], axis=-1)
 
@@ -55,11 +55,11 @@ def read_centreline(path, branch):
     names = polydata.GetCellData().GetAbstractArray("branch_name")
     if names is None:
         raise InputError("a VTK array is missing", path, "branch_name", "repeat the anatomy step; see docs/design.md")
-    found = [str(names.GetValue(k)) for k in range(polydata.GetNumberOfCells())]
-    if branch not in found:
-        raise InputError("the centreline has no such branch", path, branch, f"branches there: {', '.join(found)}")
-    rows = vtp.lines(polydata)[found.index(branch)]
-    s_mm, surveyed = (
-        array_of(polydata.GetPointData(), key, path).astype(float) for key in ("s_mm", "curvature_per_mm")
+    branches = [str(names.GetValue(k)) for k in range(polydata.GetNumberOfCells())]
+    if branch not in branches:
+        raise InputError("the centreline has no such branch", path, branch, f"branches there: {', '.join(branches)}")
+    rows = vtp.lines(polydata)[branches.index(branch)]
+    s_mm, curvature = (
+        read_array(polydata.GetPointData(), key, path).astype(float) for key in ("s_mm", "curvature_per_mm")
     )
-    return Polyline(vtp.points(polydata)[rows], s_mm[rows], str(path), surveyed[rows])
+    return Polyline(vtp.points(polydata)[rows], s_mm[rows], str(path), curvature[rows])

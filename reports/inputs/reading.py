@@ -12,7 +12,7 @@ from common.documents import json_reader
 from common.errors import InputError
 
 
-def existing(path, made_by):
+def require_file(path, made_by):
     """`path` as a pathlib.Path; InputError that names the step `made_by` if there is no such file."""
     path = pathlib.Path(path)
     if not path.is_file():
@@ -22,7 +22,7 @@ def existing(path, made_by):
 
 def read_json(path, made_by):
     """The JSON object in `path`. Raises InputError for a missing or malformed file, NaN and infinity."""
-    return json_reader.read(existing(path, made_by), made_by, f"repeat: {made_by}").data
+    return json_reader.read(require_file(path, made_by), made_by, f"repeat: {made_by}").data
 
 
 def entry(document, keys, path):
@@ -48,7 +48,7 @@ def read_table(path, numeric, text, made_by):
 
     Raises InputError for a missing file or column, an empty table, or a number that is missing, NaN or infinite.
     """
-    path = existing(path, made_by)
+    path = require_file(path, made_by)
     try:
         table = pd.read_csv(
             path, dtype={name: str for name in text}, keep_default_na=False, float_precision="round_trip"
@@ -75,7 +75,7 @@ def read_polydata(path, made_by):
     return vtp.read(path, f"run the step that writes it: {made_by}")
 
 
-def array_of(attributes, name, path):
+def read_array(attributes, name, path):
     """The numeric array `name` of vtkPointData or vtkCellData; InputError if it is not there."""
     array = attributes.GetArray(name)
     if array is None:

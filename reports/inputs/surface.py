@@ -19,7 +19,7 @@ class Surface:
 
 def read_lumen(path, most_triangles):
     """The lumen as a Surface of at most about `most_triangles` triangles (quadric decimation)."""
-    return to_surface(thinned(triangulated(read_polydata(path, "anatomy")), most_triangles))
+    return to_surface(decimated(triangulated(read_polydata(path, "anatomy")), most_triangles))
 
 
 def read_device(path):
@@ -38,7 +38,7 @@ def triangulated(polydata):
     return triangle.GetOutput()
 
 
-def thinned(polydata, most_triangles):
+def decimated(polydata, most_triangles):
     """`polydata` with its triangles reduced to about `most_triangles`."""
     count = polydata.GetNumberOfPolys()
     if count <= most_triangles:
@@ -53,4 +53,4 @@ def thinned(polydata, most_triangles):
 
 def to_surface(polydata):
     """A triangulated vtkPolyData as a Surface."""
-    return Surface(*vtp.arrays(polydata))
+    return Surface(*vtp.points_and_triangles(polydata))

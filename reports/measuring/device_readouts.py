@@ -3,7 +3,7 @@
 from common.errors import InputError
 from reports.inputs.reading import entry, number, read_json
 
-READOUTS = (
+DEPLOYMENT_KEYS = (
     "status",
     "seconds",
     "minimal_stent_area_mm2",
@@ -14,7 +14,7 @@ READOUTS = (
     "straightening_deg",
     "maximal_malapposition_mm",
 )
-LESION = (
+LESION_KEYS = (
     "name",
     "branch",
     "s_start_mm",
@@ -62,7 +62,7 @@ def lesion_summary(files):
     """The most severe lesion of the pre-PCI anatomy; None if the anatomy found none."""
     path = files.anatomy("pre") / "anatomy.json"
     lesions = entry(read_json(path, "anatomy"), "lesions", path)
-    return {key: entry(lesions[0], key, path) for key in LESION} if lesions else None
+    return {key: entry(lesions[0], key, path) for key in LESION_KEYS} if lesions else None
 
 
 def reference_summary(files):
@@ -70,7 +70,7 @@ def reference_summary(files):
     return read_json(files.scene, "workflow scene").get("reference")
 
 
-GIVEN = ("pre", "post")  # states whose lumen is given; all other lumens are made from these
+GIVEN_STATES = ("pre", "post")  # states whose lumen is given; all other lumens are made from these
 
 
 def lumen_warnings(files, states):
@@ -78,14 +78,14 @@ def lumen_warnings(files, states):
 
     A closed branch, a filled opening, a lumen of few voxels or another vessel changes every result of the case.
     """
-    said = {}
-    for state in GIVEN:
+    warnings = {}
+    for state in GIVEN_STATES:
         if state in states:
             repairs = read_json(files.anatomy(state) / "anatomy.json", "lumen process").get("repairs", [])
-            said[state] = [f"{one['what']}: {one['detail']}" for one in repairs if one.get("warning")]
+            warnings[state] = [f"{repair['what']}: {repair['detail']}" for repair in repairs if repair.get("warning")]
     if "post" in states:
-        said["post"] += read_json(files.registration, "anatomy register").get("warnings", [])
-    return {state: sentences for state, sentences in said.items() if sentences}
+        warnings["post"] += read_json(files.registration, "anatomy register").get("warnings", [])
+    return {state: sentences for state, sentences in warnings.items() if sentences}
 
 
 def procedure_summary(files):
@@ -116,13 +116,13 @@ def procedure_summary(files):
 
 
 def deployment_summary(files):
-    """The values READOUTS of deployment.json, and the largest residual and penetration (mm) of its stages.
+    """The values DEPLOYMENT_KEYS of deployment.json, and the largest residual and penetration (mm) of its stages.
 
     Without stages these two are None.
     """
     document = read_json(files.deployment, "vci deploy")
     stages = entry(document, "stages", files.deployment)
-    summary = {key: document.get(key) for key in READOUTS}
+    summary = {key: document.get(key) for key in DEPLOYMENT_KEYS}
     for key in ("residual", "max_penetration_mm"):
         values = [number(stage, key, files.deployment) for stage in stages]
         summary[f"worst_{key}"] = max(values) if values else None

@@ -6,13 +6,13 @@ import numpy as np
 
 from common.documents.config import load_case
 from common.errors import ComputationError, InputError
-from reports.inputs.case_files import IMAGED, STATES
+from reports.inputs.case_files import CT_IMAGED_STATES, STATES
 from reports.measuring.curvature import mean_over_length
 from reports.measuring.device_readouts import case_kind, deployment_summary, lesion_summary, patient_summary
 from reports.measuring.device_readouts import lumen_warnings, procedure_summary, reference_summary
-from reports.measuring.measured import MEASURED, at_the_wire, measured_summary
+from reports.measuring.pressure_wire import MEASURED, ffr_at_wire, wire_summary
 from reports.inputs.polyline import read_centreline
-from reports.measuring.profiles import error_of, state_profiles
+from reports.measuring.profiles import ffr_error_estimate, state_profiles
 from reports.inputs.reading import entry, read_json
 from reports.measuring.segment import read_sections, stented_segment
 
@@ -71,7 +71,7 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
     profiles = {state: state_profiles(files, state, segment, lines[state], pre_sections, relative) for state in states}
     used = common_stations(profiles, files.folder)
     if "post" in states:
-        say_if_partly_covered(profiles["post"], segment)
+        warn_if_partly_covered(profiles["post"], segment)
     return {
         "schema": "vci-metrics-1",
         "case": files.case,
@@ -92,11 +92,11 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
         "stations": {"count": stations, "used": int(used.sum()), "relative_position": relative[used].tolist()},
         "states": {state: state_document(profiles[state], used) for state in states},
         "differences": {
-            f"{a}_minus_{b}": differences(profiles[a], profiles[b], used)
+            f"{a}_minus_{b}": profile_differences(profiles[a], profiles[b], used)
             for a, b, _ in COMPARISONS
             if a in states and b in states
         },
-        "measured": measured_summary(files, case),
+        "measured": wire_summary(files, case),
         "registration": registration_summary(files, profiles["post"], segment) if "post" in states else None,
         "imaging": imaging_summary(files, states),
         "lumen_warnings": lumen_warnings(files, states),
@@ -108,8 +108,8 @@ def imaging_summary(files, states):
 
     A real patient's lumen before the procedure comes from a CT or from intravascular contours.
     """
-    paths = {state: files.segmentation(state) for state in IMAGED} if "ct" in states else {}
-    source = files.source_reading()
+    paths = {state: files.segmentation(state) for state in CT_IMAGED_STATES} if "ct" in states else {}
+    source = files.lumen_record()
     if source and source[0] == "ct":
         paths["pre"] = source[1]
     summary = {}
@@ -124,18 +124,27 @@ def imaging_summary(files, states):
     return summary
 
 
-REGISTERED = ("method", "compare", "rotation_deg", "residual_mm", "usual_radius_mm", "share_of_both", "missing", "new")
+REGISTRATION_KEYS = (
+    "method",
+    "compare",
+    "rotation_deg",
+    "residual_mm",
+    "usual_radius_mm",
+    "share_of_both",
+    "missing",
+    "new",
+)
 
 
 def registration_summary(files, profile, segment):
-    """The registration of the lumen after the real procedure to the lumen before: the keys REGISTERED.
+    """The registration of the lumen after the real procedure to the lumen before: the keys REGISTRATION_KEYS.
 
     It also has `segment_mm`, the segment's length, and `covered_mm`, how much of it the lumen after PCI covers.
     profile: the StateProfiles of the state `post`.
     """
     document = read_json(files.registration, "anatomy register")
     covered, length = covered_mm(profile, segment)
-    return {key: entry(document, key, files.registration) for key in REGISTERED} | {
+    return {key: entry(document, key, files.registration) for key in REGISTRATION_KEYS} | {
         "covered_mm": covered,
         "segment_mm": length,
     }
@@ -147,14 +156,14 @@ def covered_mm(profile, segment):
     return float(profile.inside.mean() * length), float(length)
 
 
-def say_if_partly_covered(profile, segment):
+def warn_if_partly_covered(profile, segment):
     """Warns on standard error if the lumen after the real procedure ends within the segment."""
     covered, length = covered_mm(profile, segment)
-    if profile.segment.ends_within:
-        said = (
+    if profile.segment.line_ends_within:
+        message = (
             f"the lumen after the procedure covers {covered:.1f} of the {length:.1f} mm of the treated segment and its"
         )
-        print(f"{said} margins: every state is compared over that part only", file=sys.stderr, flush=True)
+        print(f"{message} margins: every state is compared over that part only", file=sys.stderr, flush=True)
 
 
 def common_stations(profiles, where):
@@ -164,10 +173,9 @@ def common_stations(profiles, where):
     """
     used = np.logical_and.reduce([profile.inside for profile in profiles.values()])
     if used.mean() < LEAST_COVERAGE:
-        short = min(profiles, key=lambda state: profiles[state].inside.sum())
-        remedy = (
-            f"{short} has the fewest, {int(profiles[short].inside.sum())}; at least half are wanted. The segment lies"
-        )
+        worst_state = min(profiles, key=lambda state: profiles[state].inside.sum())
+        count = int(profiles[worst_state].inside.sum())
+        remedy = f"{worst_state} has the fewest, {count}; at least half are wanted. The segment lies"
         remedy += " too near an end of the model, or beyond it: lengthen the vessel, or place the stent further in"
         raise ComputationError("too few stations can be compared", where, f"{int(used.sum())} of {len(used)}", remedy)
     return used
@@ -197,7 +205,7 @@ def state_document(profile, used):
         "curvature": {
             "mean_per_mm": mean_over_length(curvature, s_mm),
             "maximum_per_mm": float(curvature.max()),
-            "mean_surveyed_per_mm": profile.surveyed_curvature,
+            "mean_surveyed_per_mm": profile.anatomy_curvature_per_mm,
             "profile_per_mm": curvature.tolist(),
         },
         "ffr": None if profile.solution is None else ffr_document(profile, used),
@@ -209,16 +217,16 @@ def ffr_document(profile, used):
     solution = profile.solution
     return {
         "distal": float(solution["ffr"]),
-        "past_segment": None if profile.ffr is None or profile.segment.ends_within else float(profile.ffr[-1]),
-        "at_wire": at_the_wire(solution),
+        "past_segment": None if profile.ffr is None or profile.segment.line_ends_within else float(profile.ffr[-1]),
+        "at_wire": ffr_at_wire(solution),
         "profile": None if profile.ffr is None else profile.ffr[used].tolist(),
         "model": solution.get("model"),
-        "error_estimate": error_of(solution),
+        "error_estimate": ffr_error_estimate(solution),
         "reduced_model": (solution.get("reduced_model") or {}).get("ffr"),
     }
 
 
-def differences(a, b, used):
+def profile_differences(a, b, used):
     """bias, sd and rmse of a - b along the segment for each quantity; rmse^2 = bias^2 + sd^2.
 
     a, b: StateProfiles; used (n,): mask of the compared stations. The entry `ffr` is None if one state has no FFR

@@ -47,7 +47,7 @@ class StateSegment:
         return self.s_end_mm - self.s_start_mm
 
     @property
-    def ends_within(self):
+    def line_ends_within(self):
         """Whether the state's line ends before the segment does, at either end."""
         return self.s_start_mm < self.line.s_mm[0] or self.s_end_mm > self.line.s_mm[-1]
 
@@ -70,14 +70,14 @@ def stented_segment(scene_path, pre_line_path, margin_mm):
         remedy = f"give a segment within {low:.2f} to {high:.2f} mm of branch {branch}"
         raise InputError("the treated segment is not on its branch", scene_path, f"{start} to {end} mm", remedy)
     start, end = max(low, start - margin_mm), min(high, end + margin_mm)
-    return StentedSegment(line, branch, float(start), float(end), line.at(start), line.at(end))
+    return StentedSegment(line, branch, float(start), float(end), line.point_at(start), line.point_at(end))
 
 
-def carry(segment, line, diameter_mm, of_its_own_extent=False):
+def map_segment(segment, line, diameter_mm, may_end_within=False):
     """The StateSegment of `segment` on a state's centreline `line`: each end moves to the nearest point of the line.
 
     diameter_mm: the vessel's diameters (2,) at the two ends before the procedure.
-    of_its_own_extent: the line comes from another image of the vessel and may end within the segment. Then the missing
+    may_end_within: the line comes from another image of the vessel and may end within the segment. Then the missing
     length is measured on the pre-PCI axis, from the line's end to the segment's end.
 
     Raises ComputationError if an end is further from the line than the vessel's diameter, so that it is off the vessel.
@@ -85,12 +85,12 @@ def carry(segment, line, diameter_mm, of_its_own_extent=False):
     """
     start, start_shift = line.project(segment.proximal_mm)
     end, end_shift = line.project(segment.distal_mm)
-    if of_its_own_extent and start <= line.s_mm[0]:
-        beside, start_shift = segment.line.project(line.points[0])
-        start -= max(beside - segment.s_start_mm, 0.0)
-    if of_its_own_extent and end >= line.s_mm[-1]:
-        beside, end_shift = segment.line.project(line.points[-1])
-        end += max(segment.s_end_mm - beside, 0.0)
+    if may_end_within and start <= line.s_mm[0]:
+        projected_s, start_shift = segment.line.project(line.points[0])
+        start -= max(projected_s - segment.s_start_mm, 0.0)
+    if may_end_within and end >= line.s_mm[-1]:
+        projected_s, end_shift = segment.line.project(line.points[-1])
+        end += max(segment.s_end_mm - projected_s, 0.0)
     for name, shift, limit in zip(("proximal", "distal"), (start_shift, end_shift), diameter_mm):
         if shift > limit:
             remedy = (

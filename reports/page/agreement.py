@@ -1,7 +1,7 @@
 """The tables of agreement for the page, with its names, digits and units, by group of patients."""
 
 from reports.page.digits import decimals
-from reports.study.contrast import PROFILE
+from reports.study.contrast import AREA_PROFILE
 from reports.study.inclusion import GROUPS, meets_criterion
 
 QUANTITY_NAMES = {
@@ -10,12 +10,12 @@ QUANTITY_NAMES = {
     "minimum_area": "Smallest CSA",
     "mean_curvature": "Mean curvature",
 }
-CONTRAST_NAMES = QUANTITY_NAMES | {PROFILE: "CSA along the stent, rms"}
+CONTRAST_NAMES = QUANTITY_NAMES | {AREA_PROFILE: "CSA along the stent, rms"}
 QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}  # least number of decimals
 MOST_DIGITS = 6  # decimals
 UNITS = {"1": "", "mm2": "mm²", "1/mm": "/mm"}
 # prediction -> {error that depends on the segmentation of CT: the comparison that shows it}
-BY_SEGMENTATION = {
+SEGMENTATION_COMPARISONS = {
     "vci": {"imaging_before": "ct_vci_minus_vci", "imaging_after": "ct_minus_reference", "clinical": "ct_vci_minus_ct"},
     "rc": {"imaging_before": "ct_rc_minus_rc", "imaging_after": "ct_minus_reference", "clinical": "ct_rc_minus_ct"},
 }
@@ -24,7 +24,7 @@ BY_SEGMENTATION = {
 def agreement_groups(agreement, nearer, half_maximum):
     """[{name, rows, nearer, segmentations}] of the groups of patients with rows in agreement.csv.
 
-    agreement, nearer, half_maximum: rows of the CSV tables of these names. segmentations: see that function.
+    agreement, nearer, half_maximum: rows of the CSV tables of these names. segmentations: see `segmentation_rows`.
     """
     found = []
     for name in GROUPS:
@@ -34,12 +34,12 @@ def agreement_groups(agreement, nearer, half_maximum):
         if rows:
             of_nearer = nearer_rows([row for row in nearer if row["patients"] == name])
             found.append(
-                {"name": name, "rows": rows, "nearer": of_nearer, "segmentations": segmentations(rows, others)}
+                {"name": name, "rows": rows, "nearer": of_nearer, "segmentations": segmentation_rows(rows, others)}
             )
     return found
 
 
-def segmentations(rows, others):
+def segmentation_rows(rows, others):
     """Errors by two segmentations of the CT: [{prediction, name, unit, method, errors {error: (own, other)}}].
 
     rows: agreement of one group of patients by the study's own segmentation. others: the same by the segmentation at
@@ -48,7 +48,7 @@ def segmentations(rows, others):
     """
     own, other = ({(row["quantity"], row["comparison"]): row for row in table} for table in (rows, others))
     found = []
-    for prediction, comparisons in BY_SEGMENTATION.items():
+    for prediction, comparisons in SEGMENTATION_COMPARISONS.items():
         for quantity, name in QUANTITY_NAMES.items():
             errors = {
                 error: (own.get((quantity, comparison)), other.get((quantity, comparison)))
@@ -111,15 +111,15 @@ def contrast_rows(rows, contexts):
     return by_case
 
 
-def left_out(patients):
+def excluded_patients(patients):
     """[(case, why it is not included)] of the rows of patients.csv."""
     found = []
     for row in patients:
         if not meets_criterion(row["ffr_criterion"]):
-            why = (
+            reason = (
                 "FFR before PCI not known"
                 if row["ffr_criterion"] is None
                 else f"FFR before PCI {row['ffr_criterion']:.2f}"
             )
-            found.append((row["case"], why))
+            found.append((row["case"], reason))
     return found

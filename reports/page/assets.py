@@ -8,16 +8,16 @@ import pathlib
 from PIL import Image
 
 from common.errors import InputError
-from reports.inputs.reading import existing
+from reports.inputs.reading import require_file
 
-TEMPLATES = pathlib.Path(__file__).with_name("templates")
-THREE = pathlib.Path(__file__).with_name("three")
+TEMPLATE_FOLDER = pathlib.Path(__file__).with_name("templates")
+THREE_FOLDER = pathlib.Path(__file__).with_name("three")
 WEBP = {"format": "WEBP", "quality": 90, "method": 6}  # a fifth of the PNG file's bytes, no difference to be seen
 
 
 def image_uri(path):
     """An SVG file, or a PNG file as WebP, as a data URI; InputError if the PNG cannot be read."""
-    data, kind = existing(path, "reports figures").read_bytes(), "svg+xml"
+    data, kind = require_file(path, "reports figures").read_bytes(), "svg+xml"
     if path.suffix == ".png":
         packed = io.BytesIO()
         try:
@@ -33,9 +33,9 @@ def optional_image(path):
     return image_uri(path) if path.exists() else None
 
 
-def script(path, made_by="the repository"):
+def script_text(path, made_by="the repository"):
     """A script's text for a <script> element; InputError if it contains the closing tag."""
-    text = existing(path, made_by).read_text()
+    text = require_file(path, made_by).read_text()
     if "</script" in text.lower():
         raise InputError("a script cannot be put in a page", path, "</script", "use another version of it")
     return text
@@ -43,9 +43,9 @@ def script(path, made_by="the repository"):
 
 def three_version():
     """The version of three.js that the bundle is pinned to."""
-    return json.loads((THREE / "package.json").read_text())["dependencies"]["three"]
+    return json.loads((THREE_FOLDER / "package.json").read_text())["dependencies"]["three"]
 
 
 def three_script(path):
     """The viewer's library: three.js and its trackball controls in one script, as three/bundle.sh makes it."""
-    return script(path, "make build")
+    return script_text(path, "make build")

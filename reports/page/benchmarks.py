@@ -104,13 +104,13 @@ UNITS = {
     "n": "N",
     "bar": "bar",
 }
-WORDS = {"ffr": "FFR", "csa": "CSA", "mla": "MLA", "cpu": "CPU", "cg": "CG", "1d": "1D", "mib": "MiB"}
-ALONE = {"mib": "memory (MiB)"}
+ABBREVIATIONS = {"ffr": "FFR", "csa": "CSA", "mla": "MLA", "cpu": "CPU", "cg": "CG", "1d": "1D", "mib": "MiB"}
+WHOLE_HEADINGS = {"mib": "memory (MiB)"}
 MOST_ROWS = 200
-SHORT = 7  # characters; longer numbers are rounded
+LONGEST_NUMBER = 7  # characters; longer numbers are rounded
 
 
-def benchmarks(folder):
+def read_benchmarks(folder):
     """[{name, title, text, tables, figures}] of the benchmarks in `folder` that were run, in the order of TITLES.
 
     A table is {name, columns, rows}, with texts as in the CSV and long numbers cut to four digits. A column is
@@ -128,13 +128,13 @@ def benchmarks(folder):
             "title": TITLES.get(entry.name, (entry.name.replace("_", " "), ""))[0],
             "text": TITLES.get(entry.name, ("", ""))[1],
             "tables": [read_rows(path) for path in sorted(entry.glob("*.csv"))],
-            "figures": [image_uri(path) for path in figures_of(entry)],
+            "figures": [image_uri(path) for path in figure_files(entry)],
         }
         for entry in found
     ]
 
 
-def figures_of(folder):
+def figure_files(folder):
     """The figures of a benchmark, as SVG if there is one, else as PNG."""
     vector = sorted(folder.glob("*.svg"))
     return vector + [path for path in sorted(folder.glob("*.png")) if path.with_suffix(".svg") not in vector]
@@ -148,7 +148,9 @@ def read_rows(path):
         raise InputError("a benchmark's table is empty", path, "no header", "run `snakemake benchmarks` again")
     rows = [line + [""] * (len(lines[0]) - len(line)) for line in lines[1 : MOST_ROWS + 1]]
     filled = [k for k in range(len(lines[0])) if not rows or any(row[k] for row in rows)]
-    columns = [{"heading": heading(lines[0][k]), "text": not any(is_number(row[k]) for row in rows)} for k in filled]
+    columns = [
+        {"heading": column_heading(lines[0][k]), "text": not any(is_number(row[k]) for row in rows)} for k in filled
+    ]
     return {
         "name": path.stem.replace("_", " "),
         "columns": columns,
@@ -156,13 +158,13 @@ def read_rows(path):
     }
 
 
-def heading(column):
+def column_heading(column):
     """A column's name in words, its unit in brackets: mean_csa_mm2 -> mean csa (mm²)."""
-    if column in ALONE:
-        return ALONE[column]
+    if column in WHOLE_HEADINGS:
+        return WHOLE_HEADINGS[column]
     words = column.replace("ml_per_min", "mlmin").split("_")
     unit = f" ({UNITS[words.pop()]})" if len(words) > 1 and words[-1] in UNITS else ""
-    return " ".join(WORDS.get(word, word) for word in words) + unit
+    return " ".join(ABBREVIATIONS.get(word, word) for word in words) + unit
 
 
 def is_number(value):
@@ -176,6 +178,6 @@ def is_number(value):
 
 def shortened(value):
     """Rounds a long decimal number to four significant digits. Short numbers, integers and other texts stay."""
-    if len(value) <= SHORT or not is_number(value) or value.lstrip("-").isdigit():
+    if len(value) <= LONGEST_NUMBER or not is_number(value) or value.lstrip("-").isdigit():
         return value
     return f"{float(value):.4g}"

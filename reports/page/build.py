@@ -6,28 +6,28 @@ import pathlib
 import jinja2
 
 from common.files import replacing, sha256
-from reports.study.agreement import published
+from reports.study.agreement import published_results
 from reports.study.bland_altman import sample_sd
-from reports.study.differences import COHORT
-from reports.study.inclusion import groups
-from reports.study.nearer import FEWEST, LEVEL
+from reports.study.differences import COHORT_ROW_NAME
+from reports.study.inclusion import patient_groups
+from reports.study.nearer import FEWEST_PATIENTS, SIGNIFICANCE_LEVEL
 from reports.study.tables import study_table
 from reports.inputs.case_files import PREDICTED_FROM_CT, STATES
-from reports.figures.style import COLOURS, ERRORS, LABELS, SHORT
-from reports.page.agreement import MOST_DIGITS, agreement_groups, contrast_rows, left_out
-from reports.page.assets import TEMPLATES, image_uri, optional_image, script, three_script, three_version
-from reports.page.benchmarks import benchmarks
+from reports.figures.style import COLOURS, ERROR_LABELS, LABELS, SHORT_LABELS
+from reports.page.agreement import MOST_DIGITS, agreement_groups, contrast_rows, excluded_patients
+from reports.page.assets import TEMPLATE_FOLDER, image_uri, optional_image, script_text, three_script, three_version
+from reports.page.benchmarks import read_benchmarks
 from reports.page.case_context import case_context
 from reports.page.digits import decimals
-from reports.page.evidence import evidence_rows, read_results
+from reports.page.evidence import evidence_rows, read_test_results
 from reports.page.geometry import colour_table
 from reports.inputs.reading import read_json
 from reports.whatif.tables import records
 
 TABLES = ("agreement", "contrast", "differences", "half_maximum", "nearer", "patients", "seconds", "timings")
 MISSING = "–"
-LOW_MARK = "▼"  # marks an FFR after PCI below reports.selection.patients.LOW_AFTER
-OCCLUDED = "occluded_by_voxels"
+LOW_MARK = "▼"  # marks an FFR after PCI below reports.selection.patients.LOW_FFR_AFTER
+OCCLUDED_CODE = "occluded_by_voxels"
 
 
 def build_report(
@@ -64,40 +64,43 @@ def build_report(
             failed=failed,
             summary=summary(contexts),
             agreement=by_group,
-            left_out=left_out(patients),
-            errors={kind: ERRORS[kind] for kind in ERRORS if kind in [row["error"] for row in agreement]},
+            excluded_patients=excluded_patients(patients),
+            errors={kind: ERROR_LABELS[kind] for kind in ERROR_LABELS if kind in [row["error"] for row in agreement]},
             imaging=imaging_warnings(contexts),
             lumen_warnings=lumen_warnings(contexts),
             plan_remarks=plan_remarks(contexts),
             flow_warnings=[{"case": c["name"], "id": c["id"], **row} for c in contexts for row in c["flow_warnings"]],
             agreement_figure=optional_image(figures_dir / "agreement.svg") if agreement else None,
-            nearer_level=LEVEL,
-            nearer_fewest=FEWEST,
+            nearer_level=SIGNIFICANCE_LEVEL,
+            nearer_fewest=FEWEST_PATIENTS,
             contrast=contrast_rows(tables["contrast"], contexts),
             differences=differences,
             differences_figure=optional_image(figures_dir / "differences.svg") if differences else None,
-            cohort_name=COHORT,
+            cohort_name=COHORT_ROW_NAME,
             patients=patients,
             low_mark=LOW_MARK,
             inclusion=image_uri(figures_dir / "inclusion.svg"),
             seconds=seconds,
             seconds_figure=image_uri(figures_dir / "seconds.svg") if seconds else None,
             scatter=image_uri(figures_dir / "ffr_before_after.svg"),
-            published=published(),
-            evidence=evidence_rows(read_results(junit)),
-            benchmarks=benchmarks(benchmark_dir),
+            published=published_results(),
+            evidence=evidence_rows(read_test_results(junit)),
+            benchmarks=read_benchmarks(benchmark_dir),
             software=read_json(software, "reports software") if software else None,
             provenance=provenance_summary(provenance) if provenance else None,
             states=STATES,
             states_shown=[state for state in STATES if any(state in c["metrics"]["states"] for c in contexts)],
             labels=LABELS,
-            short=SHORT,
+            short=SHORT_LABELS,
             from_ct=PREDICTED_FROM_CT,
             colours=COLOURS,
             viewer=script_json({"cases": {c["id"]: c["viewer"] for c in contexts}, "colours": colour_table()}),
-            style=(TEMPLATES / "style.css").read_text(),
+            style=(TEMPLATE_FOLDER / "style.css").read_text(),
             three_version=three_version(),
-            scripts=[three_script(three), *(script(TEMPLATES / name) for name in ("viewer.js", "stage.js", "page.js"))],
+            scripts=[
+                three_script(three),
+                *(script_text(TEMPLATE_FOLDER / name) for name in ("viewer.js", "stage.js", "page.js")),
+            ],
         )
     )
     with replacing(out) as partial:
@@ -114,13 +117,18 @@ def provenance_summary(path):
 def environment():
     """The jinja2 environment: undefined names raise, HTML is escaped."""
     env = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
+        loader=jinja2.FileSystemLoader(TEMPLATE_FOLDER),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    env.filters.update(lower_first=lower_first, to_digits=to_digits, signed_to=signed_to, signed_small=signed_small)
+    env.filters.update(
+        lower_first=lower_first,
+        significant=significant,
+        signed_significant=signed_significant,
+        signed_decimals=signed_decimals,
+    )
     env.filters.update(fixed=fixed, signed=signed, scientific=scientific, percent=percent)
     return env
 
@@ -140,7 +148,7 @@ def summary(contexts):
         "with_post": sum("post" in c["metrics"]["states"] for c in contexts),
         "measured": sum(c["metrics"]["measured"] is not None for c in contexts),
         "with_ct": sum("ct" in c["metrics"]["states"] for c in contexts),
-        "means": {name: means(found) for name, found in groups([c["metrics"] for c in contexts])},
+        "means": {name: means(found) for name, found in patient_groups([c["metrics"] for c in contexts])},
         "seconds": mean_sd(seconds) if seconds else None,
     }
 
@@ -175,7 +183,7 @@ def imaging_warnings(contexts):
         for state, found in c["metrics"]["imaging"].items()
         for warning in found["warnings"]
     ]
-    return sorted(rows, key=lambda row: row["code"] != OCCLUDED)
+    return sorted(rows, key=lambda row: row["code"] != OCCLUDED_CODE)
 
 
 def lumen_warnings(contexts):
@@ -224,17 +232,17 @@ def signed(value, digits=2):
     return ("−" if value < 0 else "+") + text
 
 
-def to_digits(value, digits=2):
+def significant(value, digits=2):
     """A number with `digits` significant digits, never as a power of ten; a dash if it is missing."""
     return MISSING if value is None else f"{value:,.{decimals(value, digits)}f}"
 
 
-def signed_to(value, digits=2):
+def signed_significant(value, digits=2):
     """A difference with its sign and `digits` significant digits; a dash if it is missing."""
     return MISSING if value is None else signed(value, decimals(value, digits))
 
 
-def signed_small(value, least):
+def signed_decimals(value, least):
     """A difference with its sign. It has `least` decimals, or more so that two significant digits are shown."""
     return MISSING if value is None else signed(value, max(least, min(MOST_DIGITS, decimals(value, 2) if value else 0)))
 

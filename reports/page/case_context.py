@@ -3,13 +3,13 @@
 import json
 
 from reports.study.cohort import describe_device, describe_procedure
-from reports.measuring.measured import wire_pair
-from reports.inputs.case_files import pictured
+from reports.measuring.pressure_wire import wire_pair
+from reports.inputs.case_files import states_in_3d
 from reports.page.assets import image_uri, optional_image
 from reports.page.geometry import viewer_data
-from reports.measuring.profiles import error_of
+from reports.measuring.profiles import ffr_error_estimate
 from reports.inputs.reading import read_json
-from reports.whatif.rows import planner_context
+from reports.whatif.page_context import planner_context
 
 CURVES = (
     ("pullback", "FFR along the stented branch, from the inlet to the outlet, with the band of its estimated error"),
@@ -74,7 +74,7 @@ def case_context(files, figures_dir):
         "curves": [{"uri": image_uri(figures_dir / f"{files.case}_{name}.svg"), "alt": text} for name, text in CURVES],
         "wire": wire_rows(metrics),
         "viewer": viewer_data(files, metrics),
-        "pictured": pictured(metrics["states"]),
+        "pictured": states_in_3d(metrics["states"]),
     }
 
 
@@ -123,7 +123,7 @@ def flow_row(files, state):
     reduced = solution.get("reduced_model") or {}
     return {
         "solution": solution,
-        "error": error_of(solution),
+        "error": ffr_error_estimate(solution),
         "reduced_ffr": reduced.get("ffr"),
         "reduced_model": reduced.get("model"),
     }

@@ -8,10 +8,10 @@ import tempfile
 
 from common.errors import ComputationError, InputError
 from common.files import replacing
-from reports.inputs.reading import existing
+from reports.inputs.reading import require_file
 
 BROWSER = "chromium"
-FLAGS = (
+BROWSER_FLAGS = (
     "--headless",
     "--no-sandbox",
     "--disable-gpu",
@@ -26,16 +26,29 @@ FLAGS = (
     "--enable-logging=stderr",
     "--v=0",
 )
-SECONDS = 120  # longest run of the browser
+TIMEOUT_S = 120  # longest run of the browser
 SETTLE_MS = 4000  # virtual time of the page, enough for the 3D viewer to draw its first picture
 FIRST_CASE = re.compile(r'<article class="case" id="([^"]+)"')  # the 3D viewer starts when its case is in view
-CONSOLE = re.compile(r":CONSOLE[:(]\d+\)?\] (.*)")
-DRIVER = re.compile(r'^"\[\.WebGL-\w+\]GL Driver Message \([^)]*Performance')  # the software renderer's own remarks
-FETCHING = {"src", "srcset", "href", "data", "poster", "action", "formaction", "background", "ping", "manifest"}
+CONSOLE_LINE = re.compile(r":CONSOLE[:(]\d+\)?\] (.*)")
+DRIVER_MESSAGE = re.compile(
+    r'^"\[\.WebGL-\w+\]GL Driver Message \([^)]*Performance'
+)  # the software renderer's own remarks
+FETCHING_ATTRIBUTES = {
+    "src",
+    "srcset",
+    "href",
+    "data",
+    "poster",
+    "action",
+    "formaction",
+    "background",
+    "ping",
+    "manifest",
+}
 STYLE_FETCH = re.compile(r"url\(\s*['\"]?(?!data:|#)([^'\")]+)|@import\s+([^;]+)", re.IGNORECASE)
 
 
-class References(html.parser.HTMLParser):
+class ReferenceCollector(html.parser.HTMLParser):
     """Collects an HTML page's references to other files (`outside`) and its content security policy (`policy`)."""
 
     def __init__(self):
@@ -48,7 +61,7 @@ class References(html.parser.HTMLParser):
         if tag == "meta" and attributes.get("http-equiv", "").lower() == "content-security-policy":
             self.policy = attributes.get("content", "")
         for name, value in attributes.items():
-            if name in FETCHING and not value.startswith(("data:", "#")):
+            if name in FETCHING_ATTRIBUTES and not value.startswith(("data:", "#")):
                 self.outside.append(f"<{tag} {name}={value[:80]!r}>")
             if name == "style":
                 self.style(value)
@@ -67,7 +80,7 @@ class References(html.parser.HTMLParser):
 
 def outside_references(text):
     """Resources that an HTML text would load from elsewhere, as descriptions; empty if the page needs no other file."""
-    page = References()
+    page = ReferenceCollector()
     page.feed(text)
     if page.policy is None or not page.policy.startswith("default-src 'none'"):
         page.outside.append("no content security policy that forbids scripts to fetch (default-src 'none')")
@@ -79,28 +92,28 @@ def console_messages(log):
 
     Headless Chromium logs all of them at one level, so any message counts as an error.
     """
-    found = (CONSOLE.search(line) for line in log.splitlines())
-    return [match[1].strip() for match in found if match and not DRIVER.match(match[1])]
+    found = (CONSOLE_LINE.search(line) for line in log.splitlines())
+    return [match[1].strip() for match in found if match and not DRIVER_MESSAGE.match(match[1])]
 
 
-def browse(path, *arguments, size="1440,900", at=""):
+def run_browser(path, *arguments, size="1440,900", anchor=""):
     """Runs Chromium on a file with a fresh profile; returns (standard output, log). ComputationError if it fails.
 
-    size: of the window in pixels; at: id of the element to which the page is scrolled.
+    size: of the window in pixels; anchor: id of the element to which the page is scrolled.
     """
     with tempfile.TemporaryDirectory() as profile:
-        command = [BROWSER, *FLAGS, f"--user-data-dir={profile}", f"--window-size={size}"]
+        command = [BROWSER, *BROWSER_FLAGS, f"--user-data-dir={profile}", f"--window-size={size}"]
         command += [
             f"--virtual-time-budget={SETTLE_MS}",
             *arguments,
-            pathlib.Path(path).resolve().as_uri() + (at and f"#{at}"),
+            pathlib.Path(path).resolve().as_uri() + (anchor and f"#{anchor}"),
         ]
         try:
-            result = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
+            result = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
         except FileNotFoundError as error:
             raise InputError("no browser to check with", BROWSER, str(error), "install the package chromium") from error
         except subprocess.TimeoutExpired as error:
-            raise ComputationError("the browser did not finish", path, f"{SECONDS} s", "open it by hand") from error
+            raise ComputationError("the browser did not finish", path, f"{TIMEOUT_S} s", "open it by hand") from error
     if result.returncode or "</html>" not in result.stdout and "--dump-dom" in arguments:
         raise ComputationError("the browser failed", path, result.stderr[-500:], "open the report by hand")
     return result.stdout, result.stderr
@@ -108,12 +121,12 @@ def browse(path, *arguments, size="1440,900", at=""):
 
 def check_report(path, screenshot=None, size="1440,900"):
     """Raises ComputationError for a console error, InputError for an outside reference; saves a picture if asked."""
-    text = existing(path, "reports report").read_text()
+    text = require_file(path, "reports report").read_text()
     outside = outside_references(text)
     if outside:
         raise InputError("the report refers to other files", path, "; ".join(outside[:5]), "put them into the file")
     first = FIRST_CASE.search(text)
-    page, log = browse(path, "--dump-dom", at=first[1] if first else "")
+    page, log = run_browser(path, "--dump-dom", anchor=first[1] if first else "")
     errors = console_messages(log)
     if errors:
         remedy = "open it in a browser and see the console"
@@ -122,4 +135,4 @@ def check_report(path, screenshot=None, size="1440,900"):
         raise ComputationError("the 3-D viewer does not start", path, "no live stage", "see the browser's console")
     if screenshot:
         with replacing(screenshot) as partial:
-            browse(path, f"--screenshot={partial.resolve()}", size=size)
+            run_browser(path, f"--screenshot={partial.resolve()}", size=size)

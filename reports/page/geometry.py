@@ -10,14 +10,14 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.spatial import cKDTree
 
 from reports.figures.lumen import COLOUR_MAP, nearest_ffr, view_axes
-from reports.inputs.case_files import pictured
+from reports.inputs.case_files import states_in_3d
 from reports.inputs.reading import read_table
 from reports.inputs.surface import Surface, read_device, read_lumen
 
 MOST_TRIANGLES = 12000
-STEPS = 65535  # quantisation steps over the range of a coordinate or value: 1 um over 65 mm
-COLOURS = 32  # steps of the colour map
-PLACES = ("s_mm", "x_mm", "y_mm", "z_mm", "area_mm2", "equivalent_diameter_mm")
+QUANTISATION_STEPS = 65535  # quantisation steps over the range of a coordinate or value: 1 um over 65 mm
+COLOUR_STEPS = 32  # steps of the colour map
+SECTION_COLUMNS = ("s_mm", "x_mm", "y_mm", "z_mm", "area_mm2", "equivalent_diameter_mm")
 
 
 def viewer_data(files, metrics):
@@ -27,12 +27,16 @@ def viewer_data(files, metrics):
     Each point has the diameter (mm), the area (mm2) and, if the state has a flow, the FFR at the nearest place of an
     axis. Devices belong to state `vci`.
     """
-    states = pictured(metrics["states"])
-    lumens = {state: ordered(read_lumen(files.lumen(state), MOST_TRIANGLES)) for state in states}
-    devices = [ordered(device) for device in map(read_device, files.struts()) if device] if "vci" in states else []
-    every = np.vstack([surface.points for surface in [*lumens.values(), *devices]])
-    low, high = every.min(0), every.max(0)
-    values = {state: along_axis(files, state, lumens[state].points) for state in states}
+    states = states_in_3d(metrics["states"])
+    lumens = {state: order_for_compression(read_lumen(files.lumen(state), MOST_TRIANGLES)) for state in states}
+    devices = (
+        [order_for_compression(device) for device in map(read_device, files.strut_files()) if device]
+        if "vci" in states
+        else []
+    )
+    all_points = np.vstack([surface.points for surface in [*lumens.values(), *devices]])
+    low, high = all_points.min(0), all_points.max(0)
+    values = {state: values_at_points(files, state, lumens[state].points) for state in states}
     ranges = {
         name: [
             float(min(v[name].min() for v in values.values() if name in v)),
@@ -55,9 +59,9 @@ def viewer_data(files, metrics):
     }
 
 
-def along_axis(files, state, points):
+def values_at_points(files, state, points):
     """Diameter (mm), area (mm2) and, with a flow, FFR at points (n, 3), from the nearest place on any axis."""
-    table = read_table(files.anatomy(state) / "sections.csv", PLACES, ("branch",), "anatomy")
+    table = read_table(files.anatomy(state) / "sections.csv", SECTION_COLUMNS, ("branch",), "anatomy")
     _, nearest = cKDTree(table[["x_mm", "y_mm", "z_mm"]].to_numpy()).query(points)
     return {
         **({"ffr": nearest_ffr(files, state, points)} if files.has_flow(state) else {}),
@@ -66,7 +70,7 @@ def along_axis(files, state, points):
     }
 
 
-def ordered(surface):
+def order_for_compression(surface):
     """The same Surface with vertices and triangles in an order that compresses well: neighbours stand close together.
 
     Vertices are in reverse Cuthill-McKee order. A triangle starts at its vertex of lowest number, its orientation kept.
@@ -90,25 +94,27 @@ def pack_surface(surface, low, high):
     difference from that of the triangle before, the others as differences from the first. wide: 32-bit triangles.
     """
     first = surface.triangles[:, :1]
-    wide = len(surface.points) > STEPS
+    wide = len(surface.points) > QUANTISATION_STEPS
     return {
-        "points": pack(differences(quantise(surface.points, low, high))),
+        "points": pack(row_differences(quantise(surface.points, low, high))),
         "triangles": pack(
-            np.hstack([differences(first), surface.triangles[:, 1:] - first]), np.uint32 if wide else np.uint16
+            np.hstack([row_differences(first), surface.triangles[:, 1:] - first]), np.uint32 if wide else np.uint16
         ),
         "wide": wide,
     }
 
 
-def differences(values):
+def row_differences(values):
     """Each row (n, k) minus the row before it, the first as it is."""
     return np.diff(values.astype(np.int64), axis=0, prepend=0)
 
 
 def quantise(values, low, high):
-    """Values between low and high as 16-bit integers 0 to STEPS; 0 if the range is empty."""
+    """Values between low and high as 16-bit integers 0 to QUANTISATION_STEPS; 0 if the range is empty."""
     span = np.maximum(np.asarray(high) - np.asarray(low), 1e-12)
-    return np.round((np.asarray(values) - low) / span * STEPS).clip(0, STEPS).astype(np.uint16)
+    return (
+        np.round((np.asarray(values) - low) / span * QUANTISATION_STEPS).clip(0, QUANTISATION_STEPS).astype(np.uint16)
+    )
 
 
 def pack(values, kind=np.uint16):
@@ -125,4 +131,4 @@ def pack(values, kind=np.uint16):
 
 def colour_table():
     """The colour map as [[r, g, b], ...] of 0 to 1, the same as in the figures."""
-    return np.round(matplotlib.colormaps[COLOUR_MAP](np.linspace(0, 1, COLOURS))[:, :3], 4).tolist()
+    return np.round(matplotlib.colormaps[COLOUR_MAP](np.linspace(0, 1, COLOUR_STEPS))[:, :3], 4).tolist()

@@ -4,12 +4,12 @@ import mimetypes
 
 from common.documents import yaml_reader
 from common.files import sha256
-from reports.inputs.reading import existing, read_json
+from reports.inputs.reading import require_file, read_json
 
-CONTEXT, PROFILE = "https://w3id.org/ro/crate/1.1/context", "https://w3id.org/ro/crate/1.1"
-METADATA = "ro-crate-metadata.json"
-KINDS = {".vtp": "application/x-vtk", ".vtu": "application/x-vtk", ".msh": "model/x-gmsh", ".stl": "model/stl"}
-RUN, PROGRAM = "#study", "#vci"
+CRATE_CONTEXT, CRATE_PROFILE = "https://w3id.org/ro/crate/1.1/context", "https://w3id.org/ro/crate/1.1"
+METADATA_FILE = "ro-crate-metadata.json"
+MEDIA_TYPES = {".vtp": "application/x-vtk", ".vtu": "application/x-vtk", ".msh": "model/x-gmsh", ".stl": "model/stl"}
+RUN_ID, PROGRAM_ID = "#study", "#vci"
 
 
 def crate(results, cases, citation, date, cohort):
@@ -19,7 +19,7 @@ def crate(results, cases, citation, date, cohort):
     date: of the sources' git revision, in ISO 8601. Hashes of the cases' files are taken from provenance.json; those of
     the other files are computed here.
     """
-    about = yaml_reader.read(citation).data
+    metadata = yaml_reader.read(citation).data
     provenance = read_json(results / "study" / "provenance.json", "workflow provenance")
     products = {
         f"cases/{case}/{name}": known for case in cases for name, known in provenance["cases"][case]["products"].items()
@@ -27,67 +27,71 @@ def crate(results, cases, citation, date, cohort):
     others = {name: sha256(results / name) for name in study_files(results, cases)}
     files = [file_entity(results, name, known) for name, known in sorted({**products, **others}.items())]
     inputs = {name: known for case in cases for name, known in provenance["cases"][case]["inputs"].items()}
-    given = [
+    input_entities = [
         {"@id": f"#{name}", "@type": "CreativeWork", "name": name, "sha256": known} for name, known in inputs.items()
     ]
-    title = f"{about['title']}: cohort {cohort}" if cohort else about["title"]
+    title = f"{metadata['title']}: cohort {cohort}" if cohort else metadata["title"]
     software = provenance["software"]
     return {
-        "@context": [CONTEXT, {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}],
+        "@context": [CRATE_CONTEXT, {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}],
         "@graph": [
             {
-                "@id": METADATA,
+                "@id": METADATA_FILE,
                 "@type": "CreativeWork",
-                "conformsTo": {"@id": PROFILE},
+                "conformsTo": {"@id": CRATE_PROFILE},
                 "about": {"@id": "./"},
             },
             {
                 "@id": "./",
                 "@type": "Dataset",
                 "name": title,
-                "description": about["abstract"],
-                "keywords": about["keywords"],
+                "description": metadata["abstract"],
+                "keywords": metadata["keywords"],
                 "datePublished": date,
-                "license": {"@id": f"https://spdx.org/licenses/{about['license']}"},
-                "citation": {"@id": article(about)["@id"]},
+                "license": {"@id": f"https://spdx.org/licenses/{metadata['license']}"},
+                "citation": {"@id": article_entity(metadata)["@id"]},
                 "mainEntity": {"@id": "report/index.html"},
-                "mentions": {"@id": RUN},
+                "mentions": {"@id": RUN_ID},
                 "hasPart": [{"@id": entity["@id"]} for entity in files],
             },
             {
-                "@id": RUN,
+                "@id": RUN_ID,
                 "@type": "CreateAction",
                 "name": f"the study of {', '.join(cases)}",
-                "instrument": {"@id": PROGRAM},
-                "object": [{"@id": entity["@id"]} for entity in given],
+                "instrument": {"@id": PROGRAM_ID},
+                "object": [{"@id": entity["@id"]} for entity in input_entities],
                 "result": [{"@id": "report/index.html"}, {"@id": "report/report.json"}],
             },
             {
-                "@id": PROGRAM,
+                "@id": PROGRAM_ID,
                 "@type": "SoftwareApplication",
-                "name": about["title"],
-                "version": f"{about['version']}, revision {software['revision']}",
+                "name": metadata["title"],
+                "version": f"{metadata['version']}, revision {software['revision']}",
                 "operatingSystem": software["system"],
                 "softwareRequirements": [f"{name} {version}" for name, version in software["packages"].items()],
             },
-            {"@id": f"https://spdx.org/licenses/{about['license']}", "@type": "CreativeWork", "name": about["license"]},
-            article(about),
-            *given,
+            {
+                "@id": f"https://spdx.org/licenses/{metadata['license']}",
+                "@type": "CreativeWork",
+                "name": metadata["license"],
+            },
+            article_entity(metadata),
+            *input_entities,
             *files,
         ],
     }
 
 
-def article(about):
+def article_entity(metadata):
     """The entity of the reproduced article, from CITATION.cff."""
-    one = about["references"][0]
-    authors = [f"{author['family-names']}, {author['given-names']}" for author in one["authors"]]
+    reference = metadata["references"][0]
+    authors = [f"{author['family-names']}, {author['given-names']}" for author in reference["authors"]]
     return {
-        "@id": f"https://doi.org/{one['doi']}",
+        "@id": f"https://doi.org/{reference['doi']}",
         "@type": "ScholarlyArticle",
-        "name": one["title"],
+        "name": reference["title"],
         "author": authors,
-        "datePublished": str(one["year"]),
+        "datePublished": str(reference["year"]),
     }
 
 
@@ -98,19 +102,19 @@ def study_files(results, cases):
     figures = sorted((results / "figures").glob("*.*"))
     of_others = {path.name for path in (results / "cases").glob("*") if path.name not in cases}
     found += [path for path in figures if not any(path.name.startswith(f"{case}_") for case in of_others)]
-    return [str(existing(path, "make study").relative_to(results)) for path in found]
+    return [str(require_file(path, "make study").relative_to(results)) for path in found]
 
 
-def file_entity(results, name, known):
-    """The RO-Crate entity of one file. name: its path below `results`; known: its SHA-256."""
-    path = existing(results / name, "make study")
-    kind = KINDS.get(path.suffix) or mimetypes.guess_type(path.name)[0] or "application/octet-stream"
+def file_entity(results, name, digest):
+    """The RO-Crate entity of one file. name: its path below `results`; digest: its SHA-256."""
+    path = require_file(results / name, "make study")
+    media_type = MEDIA_TYPES.get(path.suffix) or mimetypes.guess_type(path.name)[0] or "application/octet-stream"
     size = str(path.stat().st_size)
     return {
         "@id": name,
         "@type": "File",
         "name": path.name,
-        "encodingFormat": kind,
+        "encodingFormat": media_type,
         "contentSize": size,
-        "sha256": known,
+        "sha256": digest,
     }

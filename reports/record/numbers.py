@@ -4,13 +4,13 @@ import pandas as pd
 
 from common.files import sha256
 from reports.inputs.case_files import STATES
-from reports.inputs.reading import existing, read_json
-from reports.page.evidence import evidence_rows, read_results
-from reports.study.agreement import published
+from reports.inputs.reading import require_file, read_json
+from reports.page.evidence import evidence_rows, read_test_results
+from reports.study.agreement import published_results
 from reports.study.cohort import STATE_VALUES
 from reports.study.inclusion import EXCLUDED, INCLUDED
 from reports.study.tables import study_table
-from reports.whatif.tables import intervals, ranking, records
+from reports.whatif.tables import read_intervals, read_ranking, records
 
 SCHEMA = "vci-report-1"
 TABLES = ("agreement", "half_maximum", "nearer", "contrast", "differences", "inclusion", "patients")
@@ -22,23 +22,23 @@ def report_numbers(case_files, study_dir, cohort, junit, failed=()):
     case_files: CaseFiles of the study; junit: files of test results; failed: entries of failed.json.
     """
     tables = {name: study_table(study_dir, name) for name in TABLES}
-    provenance = existing(study_dir / "provenance.json", "workflow provenance")
+    provenance = require_file(study_dir / "provenance.json", "workflow provenance")
     tests = [
         {key: row[key] for key in ("kind", "part", "tests", "passed", "failed", "skipped")}
-        for row in evidence_rows(read_results(junit))
+        for row in evidence_rows(read_test_results(junit))
     ]
     return {
         "schema": SCHEMA,
         "cohort": cohort or None,
         "cases": [files.case for files in case_files],
         "failed": list(failed),
-        "source": published(),
+        "source": published_results(),
         "provenance_sha256": sha256(provenance),
         "software": read_json(provenance, "workflow provenance")["software"],
-        "states": state_means(of_group(study_dir, INCLUDED)),
-        "states_excluded": state_means(of_group(study_dir, EXCLUDED)),
+        "states": state_means(rows_of_group(study_dir, INCLUDED)),
+        "states_excluded": state_means(rows_of_group(study_dir, EXCLUDED)),
         **{name: records(found) for name, found in tables.items()},
-        "plans": {files.case: ranking(files.folder) for files in case_files},
+        "plans": {files.case: read_ranking(files.folder) for files in case_files},
         "sensitivity": {files.case: interval_rows(files.folder) for files in case_files},
         "evidence": {
             **{key: sum(row[key] for row in tests) for key in ("passed", "failed", "skipped")},
@@ -47,7 +47,7 @@ def report_numbers(case_files, study_dir, cohort, junit, failed=()):
     }
 
 
-def of_group(study_dir, name):
+def rows_of_group(study_dir, name):
     """The rows of cohort.csv whose cases are in a group of patients (`name`: INCLUDED or EXCLUDED)."""
     cohort, patients = study_table(study_dir, "cohort"), study_table(study_dir, "patients")
     chosen = patients["case"][patients["included"].eq(True)]
@@ -68,4 +68,4 @@ def state_means(cohort):
 
 def interval_rows(folder):
     """The rows of the tables of a case's Latin hypercube samples, each with its `source`: flow or deployment."""
-    return [row for found in intervals(folder).values() for row in records(found)]
+    return [row for found in read_intervals(folder).values() for row in records(found)]

@@ -2,15 +2,15 @@
 
 import pandas as pd
 
-from reports.inputs.case_files import TRUTHS
+from reports.inputs.case_files import TRUE_STATES
 from reports.inputs.reading import number
-from reports.measuring.measured import FFR_THRESHOLD
+from reports.measuring.pressure_wire import FFR_THRESHOLD
 from reports.study.cohort import describe_procedure
 from reports.study.inclusion import ffr_before, meets_criterion
 
 # Patients with FFR below 0.80 before PCI are included. Below 0.90 after it more adverse events were found (Rimac et
 # al., Am Heart J 2017;183:1-9, a meta-analysis of 7470 patients).
-LOW_AFTER = 0.90
+LOW_FFR_AFTER = 0.90
 COLUMNS = ["case", "artery", "branch", "stenosis_percent", "lesion_length_mm", "reference_diameter_mm", "lesions"]
 COLUMNS += [
     "plaque",
@@ -23,7 +23,7 @@ COLUMNS += [
     "ffr_after",
     "low_after",
 ]
-STEPS = ["step", "count", "cases"]
+STEP_COLUMNS = ["step", "count", "cases"]
 
 
 def patients_table(documents, cases):
@@ -42,7 +42,7 @@ def patient_row(document, case):
         for state, entry in document["states"].items()
         if entry["ffr"]
     }
-    after = next((ffr[state] for state in TRUTHS if state in ffr), None)
+    after = next((ffr[state] for state in TRUE_STATES if state in ffr), None)
     return {
         "case": document["case"],
         "artery": vessel.get("artery", case["patient"].get("territory", "")),
@@ -52,18 +52,18 @@ def patient_row(document, case):
         "reference_diameter_mm": lesion.get("reference_diameter_mm"),
         "lesions": len(vessel["lesions"]) if vessel else None,
         "plaque": ", ".join(dict.fromkeys(one["plaque"] for one in vessel.get("lesions", []))),
-        "calcium": "; ".join(in_words(one["calcium"]) for one in vessel.get("lesions", []) if "calcium" in one),
+        "calcium": "; ".join(describe_calcium(one["calcium"]) for one in vessel.get("lesions", []) if "calcium" in one),
         "procedure": describe_procedure(document["procedure"]),
         "ffr_before": ffr.get("pre"),
         "ffr_criterion": ffr_before(document),
         "included": meets_criterion(ffr_before(document)),
         "ffr_vci": ffr.get("vci"),
         "ffr_after": after,
-        "low_after": None if "vci" not in ffr else ffr["vci"] < LOW_AFTER,
+        "low_after": None if "vci" not in ffr else ffr["vci"] < LOW_FFR_AFTER,
     }
 
 
-def in_words(calcium):
+def describe_calcium(calcium):
     """A sheet of calcium in words, such as "120 degrees over 8 mm"."""
     return f"{calcium['arc_deg']:g} degrees over {calcium['length_mm']:g} mm"
 
@@ -74,18 +74,18 @@ def inclusion_table(patients, states, failed=()):
     patients: patients_table; states: {case: its states}; failed: names of further cases, which have no result.
     """
     known = patients[patients["ffr_criterion"].notna()]
-    taken = known[known["included"].astype(bool)]
-    names = list(taken["case"])
+    included = known[known["included"].astype(bool)]
+    names = list(included["case"])
     steps = [
         ("cases of the cohort", [*patients["case"], *failed]),
         ("FFR before PCI not known", [*patients["case"][patients["ffr_criterion"].isna()], *failed]),
         (f"FFR before PCI of {FFR_THRESHOLD:.2f} and more", list(known["case"][~known["included"].astype(bool)])),
         (f"included: FFR before PCI below {FFR_THRESHOLD:.2f}", names),
-        ("lumen after PCI known", [case for case in names if set(TRUTHS) & set(states[case])]),
+        ("lumen after PCI known", [case for case in names if set(TRUE_STATES) & set(states[case])]),
         ("seen in CT before and after", [case for case in names if "ct_vci" in states[case]]),
         (
-            f"predicted FFR after PCI below {LOW_AFTER:.2f}",
-            list(taken["case"][taken["low_after"].fillna(False).astype(bool)]),
+            f"predicted FFR after PCI below {LOW_FFR_AFTER:.2f}",
+            list(included["case"][included["low_after"].fillna(False).astype(bool)]),
         ),
     ]
-    return pd.DataFrame([(words, len(cases), " ".join(cases)) for words, cases in steps], columns=STEPS)
+    return pd.DataFrame([(words, len(cases), " ".join(cases)) for words, cases in steps], columns=STEP_COLUMNS)

@@ -10,12 +10,12 @@ import pathlib
 import pandas as pd
 
 from reports.study.bland_altman import Agreement, bland_altman
-from reports.study.inclusion import groups
-from reports.measuring.measured import MEASURED, same_side, wire_pair
+from reports.study.inclusion import patient_groups
+from reports.measuring.pressure_wire import MEASURED, same_decision_share, wire_pair
 from reports.measuring.metrics import COMPARISONS
 from reports.inputs.reading import number
 
-PUBLISHED_PATH = pathlib.Path(__file__).with_name("published.json")
+PUBLISHED_FILE = pathlib.Path(__file__).with_name("published.json")
 # comparisons (a, b) of the published kind: the lumen after virtual PCI minus that in the CT after PCI
 PUBLISHED_COMPARISONS = (("ct_vci", "ct"), ("vci", "post"))
 
@@ -34,9 +34,9 @@ COLUMNS += ["same_decision", "largest_estimate"]
 PUBLISHED_COLUMNS = ["published_n", "published_bias", "published_sd", "published_loa_lower", "published_loa_upper"]
 
 
-def published():
+def published_results():
     """The published agreement and seconds (dict): the content of reports/study/published.json."""
-    return json.loads(PUBLISHED_PATH.read_text())
+    return json.loads(PUBLISHED_FILE.read_text())
 
 
 def paired_values(documents, quantity, a, b):
@@ -64,28 +64,28 @@ def paired_values(documents, quantity, a, b):
 
 def agreement_table(documents):
     """DataFrame of agreement.csv: a row for each group of patients, comparison and quantity that some case has."""
-    rows = [{"patients": name, **row} for name, found in groups(documents) for row in agreement_rows(found)]
+    rows = [{"patients": name, **row} for name, found in patient_groups(documents) for row in agreement_rows(found)]
     table = pd.DataFrame(rows, columns=COLUMNS + PUBLISHED_COLUMNS)
     return table.astype({"published_n": "Int64"})
 
 
 def agreement_rows(documents):
     """The rows (dicts) of agreement.csv for the metrics documents of one group of patients."""
-    rows, paper = [], published()
+    rows, published = [], published_results()
     for a, b, error in COMPARISONS:
         for quantity in QUANTITIES:
             cases, values_a, values_b = paired_values(documents, quantity, a, b)
             if not cases:
                 continue
-            source = paper["quantities"].get(quantity)
+            source = published["quantities"].get(quantity)
             row = {"quantity": quantity, "unit": UNITS[quantity], "error": error}
             row["comparison"] = f"{a}_minus_{b}"
             row.update(dataclasses.asdict(bland_altman(values_a, values_b)))
             if quantity == "ffr":
-                row["same_decision"] = same_side(values_a, values_b)
+                row["same_decision"] = same_decision_share(values_a, values_b)
                 row["largest_estimate"] = largest_estimate([one for one in documents if one["case"] in cases], (a, b))
             if (a, b) in PUBLISHED_COMPARISONS and source:
-                row["published_n"] = paper["n"]
+                row["published_n"] = published["n"]
                 row.update({f"published_{key}": source[key] for key in ("bias", "sd", "loa_lower", "loa_upper")})
             rows.append(row)
     return rows

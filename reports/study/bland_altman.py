@@ -8,7 +8,8 @@ from scipy.stats import t as student
 
 from common.errors import InputError
 
-LIMITS = 1.96  # standard deviations to either side of the bias: 95 % of normally distributed differences lie within
+# Standard deviations to either side of the bias. Of normally distributed differences 95 % lie within.
+LIMIT_SD_FACTOR = 1.96
 FEWEST_FOR_INTERVAL = 3  # patients
 
 
@@ -46,7 +47,7 @@ def bland_altman(a, b):
     sd = sample_sd(a - b)
     lower = upper = ci_lower = ci_upper = None
     if sd is not None:
-        lower, upper = bias - LIMITS * sd, bias + LIMITS * sd
+        lower, upper = bias - LIMIT_SD_FACTOR * sd, bias + LIMIT_SD_FACTOR * sd
     if n >= FEWEST_FOR_INTERVAL:
         half = float(student.ppf(0.975, n - 1)) * sd / math.sqrt(n)
         ci_lower, ci_upper = bias - half, bias + half

@@ -4,9 +4,9 @@ import pandas as pd
 
 from reports.inputs.case_files import STATES
 
-PATIENT = ("lvm_g", "sbp_mmhg", "dbp_mmhg", "map_pa", "q_hyperaemic_ml_per_min")
-LESION = ("branch", "diameter_stenosis_percent", "area_stenosis_percent", "mla_mm2", "reference_diameter_mm")
-DEPLOYMENT = (
+PATIENT_KEYS = ("lvm_g", "sbp_mmhg", "dbp_mmhg", "map_pa", "q_hyperaemic_ml_per_min")
+LESION_KEYS = ("branch", "diameter_stenosis_percent", "area_stenosis_percent", "mla_mm2", "reference_diameter_mm")
+DEPLOYMENT_KEYS = (
     "minimal_stent_area_mm2",
     "minimal_lumen_area_in_stent_mm2",
     "expansion_index",
@@ -41,12 +41,12 @@ def cohort_table(documents):
     rows = []
     for document in documents:
         row = {"case": document["case"], "kind": document["kind"]}
-        row.update({key: document["patient"].get(key) for key in PATIENT})
+        row.update({key: document["patient"].get(key) for key in PATIENT_KEYS})
         lesion, deployment = document["lesion"] or {}, document["deployment"] or {}
-        row.update({f"lesion_{key}": lesion.get(key) for key in LESION})
+        row.update({f"lesion_{key}": lesion.get(key) for key in LESION_KEYS})
         row["procedure"] = describe_procedure(document["procedure"])
         row["segment_length_mm"] = document["segment"]["s_end_mm"] - document["segment"]["s_start_mm"]
-        row.update({f"deployment_{key}": deployment.get(key) for key in DEPLOYMENT})
+        row.update({f"deployment_{key}": deployment.get(key) for key in DEPLOYMENT_KEYS})
         for state in STATES:
             values = document["states"].get(state)
             for name, (group, key) in STATE_VALUES.items():

@@ -2,17 +2,17 @@
 
 import pandas as pd
 
-from reports.inputs.case_files import TRUTHS
+from reports.inputs.case_files import TRUE_STATES
 from reports.inputs.reading import number
 from reports.study.agreement import QUANTITIES, UNITS
 from reports.study.nearer import flow_error
 
 METHODS = ("vci", "rc", "rc_stent")  # virtual PCI; radius correction by the largest balloon, and by the stents alone
-NEARER = {"vci": "VCI", "rc": "radius correction"}
+METHOD_NAMES = {"vci": "VCI", "rc": "radius correction"}
 UNDECIDED = "within the flow's error"
 # The error of this quantity is the root mean square of the difference in area along the stent. In a mean, differences
 # of both signs would cancel.
-PROFILE = "area_profile"
+AREA_PROFILE = "area_profile"
 COLUMNS = ["case", "quantity", "unit", "truth", "value"]
 COLUMNS += [f"error_{method}" for method in METHODS] + ["nearer", "nearer_by"]
 
@@ -26,32 +26,32 @@ def contrast_table(documents):
     """
     rows = []
     for document in documents:
-        truth = next((state for state in TRUTHS if state in document["states"]), None)
+        truth = next((state for state in TRUE_STATES if state in document["states"]), None)
         if truth is None or "vci" not in document["states"]:
             continue
-        for quantity in ("ffr", "mean_area", "minimum_area", PROFILE, "mean_curvature"):
-            row = row_of(document, quantity, truth)
+        for quantity in ("ffr", "mean_area", "minimum_area", AREA_PROFILE, "mean_curvature"):
+            row = contrast_row(document, quantity, truth)
             if row["error_vci"] is not None:
                 rows.append({"case": document["case"], "quantity": quantity, "truth": truth, **row})
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-def row_of(document, quantity, truth):
+def contrast_row(document, quantity, truth):
     """The columns of one case and quantity from `unit` on."""
-    if quantity == PROFILE:
+    if quantity == AREA_PROFILE:
         errors = {method: profile_error(document, method, truth) for method in METHODS}
         row = {"unit": UNITS["mean_area"], "value": None}
     else:
-        value = value_of(document, quantity, truth)
-        predicted = {method: value_of(document, quantity, method) for method in METHODS}
+        value = state_value(document, quantity, truth)
+        predicted = {method: state_value(document, quantity, method) for method in METHODS}
         errors = {m: None if None in (value, found) else found - value for m, found in predicted.items()}
         row = {"unit": UNITS[quantity], "value": value}
     row |= {f"error_{method}": error for method, error in errors.items()}
     computed = [state for state in ("vci", "rc", truth) if document["states"].get(state, {}).get("ffr")]
-    return row | verdict(errors, flow_error(document, computed) if quantity == "ffr" and computed else 0.0)
+    return row | nearer_method(errors, flow_error(document, computed) if quantity == "ffr" and computed else 0.0)
 
 
-def value_of(document, quantity, state):
+def state_value(document, quantity, state):
     """A quantity of a state; None if the case lacks the state, or the state has no flow."""
     entry = document["states"].get(state)
     if entry is None or (quantity == "ffr" and entry["ffr"] is None):
@@ -65,7 +65,7 @@ def profile_error(document, method, truth):
     return None if found is None else found["area_mm2"]["rmse"]
 
 
-def verdict(errors, noise):
+def nearer_method(errors, noise):
     """{nearer, nearer_by} of the errors {method: error}; both None if a method is missing.
 
     noise: numerical error of the quantity, infinite if not known. If the sizes of the errors differ by no more than
@@ -73,6 +73,6 @@ def verdict(errors, noise):
     """
     if errors["vci"] is None or errors["rc"] is None:
         return {"nearer": None, "nearer_by": None}
-    lead = abs(errors["rc"]) - abs(errors["vci"])
-    nearer = NEARER["vci" if lead > 0.0 else "rc"] if abs(lead) > noise else UNDECIDED
-    return {"nearer": nearer, "nearer_by": abs(lead)}
+    advantage_vci = abs(errors["rc"]) - abs(errors["vci"])
+    nearer = METHOD_NAMES["vci" if advantage_vci > 0.0 else "rc"] if abs(advantage_vci) > noise else UNDECIDED
+    return {"nearer": nearer, "nearer_by": abs(advantage_vci)}

@@ -9,7 +9,7 @@ import pandas as pd
 
 from reports.measuring.metrics import COMPARISONS
 from reports.study.bland_altman import sample_sd
-from reports.study.inclusion import groups
+from reports.study.inclusion import patient_groups
 
 PREDICTED, AFTER_PCI = ("vci", "rc", "rc_stent", "ct_vci", "ct_rc"), ("reference", "ct", "post")
 # name of the difference -> (group and key of a state's profile in metrics.json, key in `differences` of metrics.json,
@@ -18,16 +18,17 @@ QUANTITIES = {
     "diff_area": ("area", "profile_mm2", "area_mm2", "mm2"),
     "diff_curvature": ("curvature", "profile_per_mm", "curvature_per_mm", "per_mm"),
 }
-COHORT = "all cases"  # in the column `case`, of the row with mean and standard deviation over the patients of a group
+# In the column `case`, of the row with mean and standard deviation over the patients of a group.
+COHORT_ROW_NAME = "all cases"
 
 
-def compared(documents):
+def compared_pairs(documents):
     """(a, b, error) of the comparisons of a prediction with a lumen after PCI that at least one document has."""
     wanted = [(a, b, error) for a, b, error in COMPARISONS if a in PREDICTED and b in AFTER_PCI]
     return [one for one in wanted if any({one[0], one[1]} <= set(document["states"]) for document in documents)]
 
 
-def stations_of(document, a, b):
+def station_differences(document, a, b):
     """DataFrame of one patient with a row for each station: predicted state a minus state b after PCI."""
     states, table = document["states"], {"relative_position": document["stations"]["relative_position"]}
     table["s_mm"] = states[b]["s_mm"]
@@ -42,10 +43,10 @@ def stations_of(document, a, b):
 def station_table(documents):
     """DataFrame of differences_stations.csv."""
     parts = []
-    for a, b, error in compared(documents):
+    for a, b, error in compared_pairs(documents):
         for document in documents:
             if {a, b} <= set(document["states"]):
-                part = stations_of(document, a, b)
+                part = station_differences(document, a, b)
                 keys = {"case": document["case"], "error": error, "comparison": f"{a}_minus_{b}"}
                 parts.append(pd.concat([pd.DataFrame(keys, index=part.index), part], axis=1))
     return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=["case", "error", "comparison"])
@@ -56,14 +57,14 @@ def difference_table(documents):
 
     After the patients of a comparison comes a row for their group.
     """
-    rows = [{"patients": name, **row} for name, found in groups(documents) for row in group_rows(found)]
+    rows = [{"patients": name, **row} for name, found in patient_groups(documents) for row in group_rows(found)]
     return pd.DataFrame(rows, columns=None if rows else ["patients", "case", "error", "comparison"])
 
 
 def group_rows(documents):
     """The rows (dicts) of differences.csv for the metrics documents of one group of patients."""
     rows = []
-    for a, b, error in compared(documents):
+    for a, b, error in compared_pairs(documents):
         of_cases = [patient_row(document, a, b) for document in documents if {a, b} <= set(document["states"])]
         keys = {"error": error, "comparison": f"{a}_minus_{b}"}
         rows += [{"case": row.pop("case"), **keys, **row} for row in [*of_cases, cohort_row(of_cases)]]
@@ -75,7 +76,7 @@ def patient_row(document, a, b):
 
     The size is the absolute value. The mean is also given in per cent of the mean after PCI.
     """
-    stations = stations_of(document, a, b)
+    stations = station_differences(document, a, b)
     row = {"case": document["case"], "n": len(stations)}
     for name, (_, _, key, unit) in QUANTITIES.items():
         along = document["differences"][f"{a}_minus_{b}"][key]
@@ -92,7 +93,7 @@ def cohort_row(of_cases):
 
     `sd` is the sample standard deviation of the patients' means. `largest` is the largest of all stations.
     """
-    row = {"case": COHORT, "n": len(of_cases)}
+    row = {"case": COHORT_ROW_NAME, "n": len(of_cases)}
     for key in of_cases[0]:
         values = [one[key] for one in of_cases]
         if "_largest_" in key:

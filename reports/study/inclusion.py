@@ -4,7 +4,7 @@ The other patients are never mixed with them. They have rows of their own, under
 """
 
 from reports.inputs.reading import number
-from reports.measuring.measured import FFR_THRESHOLD
+from reports.measuring.pressure_wire import FFR_THRESHOLD
 
 INCLUDED, EXCLUDED = "included", "excluded"
 GROUPS = (INCLUDED, EXCLUDED)
@@ -27,7 +27,7 @@ def meets_criterion(ffr):
     return None if ffr is None else ffr < FFR_THRESHOLD
 
 
-def groups(documents):
+def patient_groups(documents):
     """[(name of GROUPS, metrics documents)], without a group that has no patient."""
     split = {name: [] for name in GROUPS}
     for document in documents:
@@ -35,6 +35,6 @@ def groups(documents):
     return [(name, found) for name, found in split.items() if found]
 
 
-def analysed(documents):
+def analysed_documents(documents):
     """The documents that a figure shows: of the included patients, or of the others if no patient is included."""
-    return groups(documents)[0][1] if documents else []
+    return patient_groups(documents)[0][1] if documents else []

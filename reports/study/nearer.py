@@ -7,10 +7,11 @@ from scipy.stats import wilcoxon
 from reports.measuring.metrics import COMPARISONS
 from reports.study.agreement import QUANTITIES, UNITS, largest_estimate, paired_values
 from reports.study.differences import AFTER_PCI
-from reports.study.inclusion import groups
+from reports.study.inclusion import patient_groups
 
-LEVEL = 0.05  # significance level of each row's test, two-sided
-FEWEST = 6  # patients for a test: the smallest possible p of n pairs is 2 / 2^n, 0.0625 for five, 0.03125 for six
+SIGNIFICANCE_LEVEL = 0.05  # significance level of each row's test, two-sided
+# For a test: the smallest possible p of n pairs is 2 / 2^n, 0.0625 for five, 0.03125 for six.
+FEWEST_PATIENTS = 6
 RADIUS_CORRECTION = {"vci": "rc", "ct_vci": "ct_rc"}  # state of VCI -> radius correction of the same lumen
 NEARER, FARTHER, UNDECIDED = "nearer", "farther", "no difference shown"
 COLUMNS = [
@@ -36,7 +37,7 @@ def nearer_table(documents):
     p: of Wilcoxon's two-sided signed-rank test of the sizes (scipy.stats.wilcoxon); None for fewer than six patients.
     ties: patients in whom both sizes are alike; in FFR those in whom they differ by no more than the flow's own error.
     """
-    rows = [{"patients": name, **row} for name, found in groups(documents) for row in nearer_rows(found)]
+    rows = [{"patients": name, **row} for name, found in patient_groups(documents) for row in nearer_rows(found)]
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
@@ -53,7 +54,7 @@ def nearer_rows(documents):
                 compared, noise = (a, RADIUS_CORRECTION[a], truth), np.zeros(len(cases))
                 if quantity == "ffr":
                     noise = [flow_error(one, compared) for one in documents if one["case"] in cases]
-                rows.append(row | verdict([vci[case] for case in cases], [rc[case] for case in cases], noise))
+                rows.append(row | paired_test([vci[case] for case in cases], [rc[case] for case in cases], noise))
     return rows
 
 
@@ -69,20 +70,20 @@ def flow_error(document, states):
     return np.inf if largest is None else largest
 
 
-def verdict(vci, rc, noise):
+def paired_test(vci, rc, noise):
     """The columns of nearer.csv from `n` on. vci, rc: sizes of errors (n,) of the same patients by both methods.
 
     noise (n,): numerical error in each patient. If both sizes differ by no more than this, the patient is a tie. The
     test leaves ties out.
     """
     vci, rc = np.asarray(vci, float), np.asarray(rc, float)
-    told = (vci - rc)[np.abs(vci - rc) > noise]
+    decided = (vci - rc)[np.abs(vci - rc) > noise]
     result = {"n": len(vci), "error_vci": vci.mean(), "error_rc": rc.mean()}
-    result |= {"patients_vci_nearer": int((told < 0.0).sum()), "ties": len(vci) - len(told), "p": None}
+    result |= {"patients_vci_nearer": int((decided < 0.0).sum()), "ties": len(vci) - len(decided), "p": None}
     result["vci_is"] = UNDECIDED
-    if len(vci) >= FEWEST:
+    if len(vci) >= FEWEST_PATIENTS:
         # if all patients are ties, the test has nothing to rank
-        result["p"] = float(wilcoxon(told).pvalue) if len(told) else 1.0
-        if result["p"] < LEVEL:
-            result["vci_is"] = NEARER if np.median(told) < 0.0 else FARTHER
+        result["p"] = float(wilcoxon(decided).pvalue) if len(decided) else 1.0
+        if result["p"] < SIGNIFICANCE_LEVEL:
+            result["vci_is"] = NEARER if np.median(decided) < 0.0 else FARTHER
     return result

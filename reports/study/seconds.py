@@ -4,7 +4,7 @@ import re
 
 import pandas as pd
 
-from reports.study.agreement import published
+from reports.study.agreement import published_results
 from reports.study.bland_altman import sample_sd
 
 STAGE_ROW = re.compile(r"vci/(?P<step>[^/]+)/(?P<stage>deployment-to-contact|contact-to-balance|balloon-extraction)")
@@ -30,7 +30,7 @@ def stage_seconds(timings):
     return pd.DataFrame(rows, columns=["case", "step", "stage", "seconds"])
 
 
-def by_case(stages):
+def seconds_by_group(stages):
     """{(by, name): seconds (n,), one value for each case that has it}, in order of appearance.
 
     by: "stage", "step" or "all"; name: of the stage or step.
@@ -45,10 +45,10 @@ def by_case(stages):
 
 def seconds_table(timings):
     """DataFrame of seconds.csv: mean and sample standard deviation over the cases; empty without a deployment."""
-    stages, paper = stage_seconds(timings), published()["seconds"]
+    stages, published = stage_seconds(timings), published_results()["seconds"]
     rows = []
-    for (by, name), values in by_case(stages).items() if len(stages) else ():
-        source = paper[by].get(name, {})
+    for (by, name), values in seconds_by_group(stages).items() if len(stages) else ():
+        source = published[by].get(name, {})
         row = {"by": by, "name": name, "n": len(values), "mean_s": values.mean(), "sd_s": sample_sd(values)}
         rows.append(row | {"published_mean_s": source.get("mean"), "published_sd_s": source.get("sd")})
     return pd.DataFrame(rows, columns=COLUMNS)

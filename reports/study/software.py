@@ -44,15 +44,15 @@ def software_versions(repository):
     return {
         "schema": "vci-software-1",
         "system": release["PRETTY_NAME"].strip('"'),
-        "revision": git(repository, "rev-parse", "HEAD"),
-        "modified": bool(git(repository, "status", "--porcelain", "--untracked-files=no")),
+        "revision": git_output(repository, "rev-parse", "HEAD"),
+        "modified": bool(git_output(repository, "status", "--porcelain", "--untracked-files=no")),
         "packages": {
             name: version for status, name, version in sorted(rows, key=lambda row: row[1]) if status == "installed"
         },
     }
 
 
-def git(repository, *arguments):
+def git_output(repository, *arguments):
     """Standard output of a git command in the repository's folder; InputError if it fails."""
     result = subprocess.run(["git", "-C", str(repository), *arguments], capture_output=True, text=True, check=False)
     if result.returncode:

@@ -10,8 +10,8 @@ from common.errors import InputError
 from reports.inputs.reading import read_json
 from reports.study.agreement import agreement_table
 
-SMALL_MM, SEVERE_PERCENT = 4.0, 70  # limits between subgroups: diameter at the ostium, stenosis by diameter
-FAILURES = ["step", "reason", "patients", "example"]
+SMALL_OSTIUM_MM, SEVERE_PERCENT = 4.0, 70  # limits between subgroups: diameter at the ostium, stenosis by diameter
+FAILURE_COLUMNS = ["step", "reason", "patients", "example"]
 
 
 def patient_files(cohort, cases):
@@ -28,12 +28,12 @@ def patient_files(cohort, cases):
     return {file.stem: (file, cases / file.stem) for file in files}
 
 
-def subgroups(case):
+def patient_subgroups(case):
     """The subgroups {name: value} of a drawn patient, from its case file's content."""
     vessel = case["vessel"]
     lesion = vessel["lesions"][0]
     severe = lesion["diameter_stenosis_percent"] >= SEVERE_PERCENT
-    small = vessel["main"]["ostial_diameter_mm"] < SMALL_MM
+    small = vessel["main"]["ostial_diameter_mm"] < SMALL_OSTIUM_MM
     return {
         "all": "all",
         "artery": vessel["artery"],
@@ -41,7 +41,7 @@ def subgroups(case):
         "plaque": lesion["plaque"],
         "calcium": "some" if "calcium" in lesion else "none",
         "stenosis": f"{SEVERE_PERCENT} % and more" if severe else f"below {SEVERE_PERCENT} %",
-        "ostium": f"below {SMALL_MM:g} mm" if small else f"{SMALL_MM:g} mm and more",
+        "ostium": f"below {SMALL_OSTIUM_MM:g} mm" if small else f"{SMALL_OSTIUM_MM:g} mm and more",
     }
 
 
@@ -51,10 +51,10 @@ def subgroup_tables(patients):
     for name, (file, folder) in patients.items():
         if (folder / "metrics.json").is_file():
             document = read_json(folder / "metrics.json", "reports metrics")
-            for group in subgroups(config.load_case(file)).items():
+            for group in patient_subgroups(config.load_case(file)).items():
                 groups.setdefault(group, []).append(document)
         else:
-            failures.setdefault(failure(folder), []).append(name)
+            failures.setdefault(failure_reason(folder), []).append(name)
     tables = []
     for (group, value), documents in sorted(groups.items(), key=lambda item: (item[0][0] != "all", item[0])):
         table = agreement_table(documents)
@@ -63,10 +63,10 @@ def subgroup_tables(patients):
         tables.append(table.drop(columns=[name for name in table if name.startswith("published")]))
     rows = [(*key, len(names), names[0]) for key, names in sorted(failures.items(), key=lambda item: -len(item[1]))]
     agreement = pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()
-    return agreement, pd.DataFrame(rows, columns=FAILURES)
+    return agreement, pd.DataFrame(rows, columns=FAILURE_COLUMNS)
 
 
-def failure(folder):
+def failure_reason(folder):
     """(step, reason) of a patient that is not finished, from the newest log with an error. Without logs: not run."""
     logs = sorted(folder.rglob("logs/**/*.log"), key=lambda file: file.stat().st_mtime, reverse=True)
     for log in logs:

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from reports.inputs.reading import existing
+from reports.inputs.reading import require_file
 
 WRITTEN_BY = {
     "agreement": "reports agreement",
@@ -23,4 +23,4 @@ def study_table(study_dir, name):
 
     name: a key of WRITTEN_BY. Raises InputError, which names the command that writes it, for a missing file.
     """
-    return pd.read_csv(existing(study_dir / f"{name}.csv", WRITTEN_BY[name]))
+    return pd.read_csv(require_file(study_dir / f"{name}.csv", WRITTEN_BY[name]))

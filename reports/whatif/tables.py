@@ -5,14 +5,14 @@ import sys
 import pandas as pd
 
 from common.files import sha256
-from reports.inputs.reading import existing, read_json
+from reports.inputs.reading import require_file, read_json
 
-STATES = {"pre": "before PCI", "vci": "after the planned PCI"}
-QUANTITIES = {"ffr": "FFR", "minimal_stent_area_mm2": "smallest stent area (mm²)"}
+STATE_LABELS = {"pre": "before PCI", "vci": "after the planned PCI"}
+QUANTITY_LABELS = {"ffr": "FFR", "minimal_stent_area_mm2": "smallest stent area (mm²)"}
 SOURCES = ("flow", "deployment")
 
 
-def ranking(folder):
+def read_ranking(folder):
     """Rows (dicts) of plans/ranking.csv in a case's folder, with None for an empty field; [] without the file.
 
     `ffr_3d` is filled in for plans whose flow was solved in 3D. Snakemake repeats such a flow only if it is asked for
@@ -21,36 +21,36 @@ def ranking(folder):
     path = folder / "plans" / "ranking.csv"
     rows = records(pd.read_csv(path)) if path.is_file() else []
     for row in rows:
-        solved = folder / "plans" / row["plan"] / "flow" / "ffr.json"
-        if not solved.is_file():
+        flow_file = folder / "plans" / row["plan"] / "flow" / "ffr.json"
+        if not flow_file.is_file():
             continue
-        answer, mesh = read_json(solved, "flow solve"), read_json(solved.with_name("mesh.json"), "flow mesh")
+        solution, mesh = read_json(flow_file, "flow solve"), read_json(flow_file.with_name("mesh.json"), "flow mesh")
         made_from = {"mesh_sha256": mesh["file_sha256"], "boundary_sha256": sha256(folder / "flow" / "boundary.json")}
-        if answer.get("made_from") == made_from and mesh["made_from_sha256"] == row["lumen_sha256"]:
-            row["ffr_3d"] = answer["ffr"]
+        if solution.get("made_from") == made_from and mesh["made_from_sha256"] == row["lumen_sha256"]:
+            row["ffr_3d"] = solution["ffr"]
         else:
-            _left_out(solved)
+            _warn_outdated(flow_file)
     return rows
 
 
-def tornado(folder):
+def read_sensitivity(folder):
     """Rows of sensitivity/flow.csv, which must exist, and of sensitivity/deployment.csv if that may be used.
 
     A DataFrame, whose column `source` says from which file a row is.
     """
-    existing(folder / "sensitivity" / "flow.csv", "whatif flow")
-    return pd.concat(_found(folder, ""), ignore_index=True)
+    require_file(folder / "sensitivity" / "flow.csv", "whatif flow")
+    return pd.concat(_read_tables(folder, ""), ignore_index=True)
 
 
-def intervals(folder):
+def read_intervals(folder):
     """{source: DataFrame} of the intervals by a case's Latin hypercube samples.
 
-    source: `flow`, and `deployment` if its table may be used (see _sources).
+    source: `flow`, and `deployment` if its table may be used (see _usable_sources).
     """
-    return dict(zip(_sources(folder), _found(folder, "_intervals")))
+    return dict(zip(_usable_sources(folder), _read_tables(folder, "_intervals")))
 
 
-def _sources(folder):
+def _usable_sources(folder):
     """Those of SOURCES whose table may be used.
 
     Snakemake repeats deployment.csv only if it is asked for by name. So the table is used only if its FFR with all
@@ -59,7 +59,7 @@ def _sources(folder):
     files = {source: folder / "sensitivity" / f"{source}.csv" for source in SOURCES}
     found = {source: _planned_ffr(path) for source, path in files.items() if path.is_file()}
     if "deployment" in found and not found["deployment"] <= found.get("flow", set()):
-        _left_out(files["deployment"])
+        _warn_outdated(files["deployment"])
         del found["deployment"]
     return list(found)
 
@@ -70,15 +70,15 @@ def _planned_ffr(path):
     return set(table.loc[table["quantity"] == "ffr", ["state", "at_planned"]].itertuples(index=False, name=None))
 
 
-def _left_out(path):
+def _warn_outdated(path):
     said = "of an earlier lumen, procedure or boundary.json, left out; ask Snakemake for it again"
     print(f"{path}: {said}", file=sys.stderr)
 
 
-def _found(folder, kind):
+def _read_tables(folder, kind):
     return [
         pd.read_csv(folder / "sensitivity" / f"{source}{kind}.csv", keep_default_na=True).assign(source=source)
-        for source in _sources(folder)
+        for source in _usable_sources(folder)
     ]
 
 

@@ -8,10 +8,10 @@ import json
 import pathlib
 import re
 
-MARKS = re.compile(r"(<!-- coverage -->).*?(<!-- end -->)", re.S)
+COVERAGE_MARKS = re.compile(r"(<!-- coverage -->).*?(<!-- end -->)", re.S)
 
 
-def sentence(folder):
+def coverage_sentence(folder):
     """The figures of the files that are there, in one sentence; raises FileNotFoundError if Python's is not."""
     shares = {}
     if (folder / "cpp.json").exists():
@@ -27,10 +27,10 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--readme", type=pathlib.Path)
     options = parser.parse_args()
-    said = sentence(options.folder)
+    said = coverage_sentence(options.folder)
     print(said)
     if options.readme:
-        text, count = MARKS.subn(rf"\1{said}\2", options.readme.read_text())
+        text, count = COVERAGE_MARKS.subn(rf"\1{said}\2", options.readme.read_text())
         if count != 1:
             raise SystemExit(f"{options.readme} lacks the marks of the coverage")
         options.readme.write_text(text)

@@ -9,29 +9,29 @@ import sys
 import tempfile
 import time
 
-from study import LOCKED, wrong
+from study import LOCK_MESSAGE, differing_products
 
 TEMPORARY = tempfile.gettempdir()
 FULL_TMP = (
     f"mount -t tmpfs -o size=64k none {TEMPORARY} && {{ dd if=/dev/zero of={TEMPORARY}/full bs=1k 2>/dev/null; "
     'python3 -c "import tempfile; tempfile.gettempdir()" 2>/dev/null; exec "$@"; }'
 )
-POLL = 0.05
+POLL_S = 0.05
 
 
 def wait_for(study, process, text, times=1):
     """Waits until the run's output holds a text so many times, or it has ended."""
     while process.poll() is None and study.output.read_text().count(text) < times:
-        time.sleep(POLL)
+        time.sleep(POLL_S)
 
 
-def resumed(study, right, row, code, **options):
+def resume_and_compare(study, right, row, code, **options):
     """The row completed: what was said, what stands at final names, and what the run gives that goes on."""
-    row |= {"exit_code": code, "half_made": wrong(study.products(), right)}
+    row |= {"exit_code": code, "half_made": differing_products(study.products(), right)}
     study.unlock()
     row["resumed_exit_code"] = study.run(**options)
     found = study.products()
-    row |= {"differ": sorted({*wrong(found, right), *(set(right) - set(found))}), "products": len(found)}
+    row |= {"differ": sorted({*differing_products(found, right), *(set(right) - set(found))}), "products": len(found)}
     return row
 
 
@@ -44,22 +44,22 @@ def kills(study, right, seconds, count, random):
         moment = random.uniform(0, 0.3 * seconds)
         end = time.monotonic() + moment
         while process.poll() is None and time.monotonic() < end:
-            time.sleep(POLL)
+            time.sleep(POLL_S)
         if process.poll() is not None:  # it ended before: compare, and start anew
-            found = wrong(study.products(), right)
+            found = differing_products(study.products(), right)
             if process.returncode or found:
                 sys.exit(f"a run after kills ended with {process.returncode}, differs in {found}; see {study.output}")
-            study.clear()
+            study.remove_results()
             continue
         step = [line for line in study.output.read_text().splitlines() if line.startswith("Job ")][-1]
         study.kill(process)
-        found = wrong(study.products(), right)
+        found = differing_products(study.products(), right)
         rows.append(
             {"fault": "SIGKILL", "moment_s": round(moment, 1), "step": step.split(": ", 2)[-1], "half_made": found}
         )
         print(rows[-1], flush=True)
         study.unlock()
-    last = resumed(study, right, rows[-1], -9)
+    last = resume_and_compare(study, right, rows[-1], -9)
     for row in rows:
         row |= {key: last[key] for key in ("exit_code", "resumed_exit_code", "differ", "products")}
         row["said"] = ""
@@ -72,9 +72,9 @@ def terminated(study, right, seconds):
     wait_for(study, process, "Job ", 4)
     process.terminate()
     code = process.wait()
-    row = {"fault": "SIGTERM", "said": study.said("terminat", "signal", "shutting")}
+    row = {"fault": "SIGTERM", "said": study.output_line("terminat", "signal", "shutting")}
     study.kill(process)
-    return resumed(study, right, row, code)
+    return resume_and_compare(study, right, row, code)
 
 
 def step_killed(study, right, seconds):
@@ -82,23 +82,26 @@ def step_killed(study, right, seconds):
     process = study.start()
     flow = None
     while process.poll() is None and flow is None:
-        time.sleep(POLL)
-        flow = _child(process.pid, "flow solve")
+        time.sleep(POLL_S)
+        flow = _find_child(process.pid, "flow solve")
     if flow is None:
         sys.exit(f"the run ended before its flow: {study.output.read_text()}")
     time.sleep(1)
     os.kill(flow, signal.SIGKILL)
     code = process.wait()
-    row = {"fault": "out of memory: the flow killed by the kernel", "said": study.said("exit code 137", "Killed")}
-    return resumed(study, right, row, code)
+    row = {
+        "fault": "out of memory: the flow killed by the kernel",
+        "said": study.output_line("exit code 137", "Killed"),
+    }
+    return resume_and_compare(study, right, row, code)
 
 
 def memory_limit(study, right, seconds, megabytes=700):
     """A limit of the address space that the deployment keeps within and the volume mesh does not."""
     code = study.run(before=["prlimit", f"--as={megabytes * 1024 * 1024}"])
     words = ("error: ", "MemoryError", "bad_alloc", "Cannot allocate", "failed to map", "exit code")
-    row = {"fault": f"address space of {megabytes} MB", "said": study.said(*words)}
-    return resumed(study, right, row, code)
+    row = {"fault": f"address space of {megabytes} MB", "said": study.output_line(*words)}
+    return resume_and_compare(study, right, row, code)
 
 
 def full_tmp(study, right, seconds):
@@ -106,9 +109,9 @@ def full_tmp(study, right, seconds):
     code = study.run(before=["unshare", "-m", "sh", "-c", FULL_TMP, "sh"])
     row = {
         "fault": "the folder of temporary files is full",
-        "said": study.said("No space left", "no usable temporary", "exit code"),
+        "said": study.output_line("No space left", "no usable temporary", "exit code"),
     }
-    return resumed(study, right, row, code)
+    return resume_and_compare(study, right, row, code)
 
 
 def two_runs(study, right, seconds):
@@ -120,24 +123,27 @@ def two_runs(study, right, seconds):
     code = second.wait()
     row = {
         "fault": "a second run in the same folder",
-        "said": study.said("cannot be locked", LOCKED),
+        "said": study.output_line("cannot be locked", LOCK_MESSAGE),
         "exit_code": code,
     }
     study.output = output
     row |= {"half_made": [], "resumed_exit_code": first.wait()}
     found = study.products()
-    return row | {"differ": sorted({*wrong(found, right), *(set(right) - set(found))}), "products": len(found)}
+    return row | {
+        "differ": sorted({*differing_products(found, right), *(set(right) - set(found))}),
+        "products": len(found),
+    }
 
 
 def full_disk(study, right, seconds):
     """The disk under the whole folder is full when two thirds of the products are there; then it grows."""
     disk = os.statvfs(study.folder)
     used = (disk.f_blocks - disk.f_bfree) * disk.f_frsize
-    mount(study.folder, f"remount,size={used + study.right_bytes * 2 // 3}")
+    mount(study.folder, f"remount,size={used + study.undisturbed_bytes * 2 // 3}")
     code = study.run()
-    row = {"fault": "the disk is full", "said": study.said("No space left", "error: ", "exit code")}
+    row = {"fault": "the disk is full", "said": study.output_line("No space left", "error: ", "exit code")}
     mount(study.folder, "remount,size=1g")
-    return resumed(study, right, row, code)
+    return resume_and_compare(study, right, row, code)
 
 
 def read_only(study, right, seconds):
@@ -148,9 +154,9 @@ def read_only(study, right, seconds):
     study.unlock()
     mount(study.folder, "remount,ro")
     code = study.run()
-    row = {"fault": "the folder is read-only", "said": study.said("Read-only", "exit code")}
+    row = {"fault": "the folder is read-only", "said": study.output_line("Read-only", "exit code")}
     mount(study.folder, "remount,rw")
-    return resumed(study, right, row, code)
+    return resume_and_compare(study, right, row, code)
 
 
 def mount(folder, options):
@@ -158,7 +164,7 @@ def mount(folder, options):
     subprocess.run(["mount", "-t", "tmpfs", "-o", options, "none", str(folder)], check=True, capture_output=True)
 
 
-def _child(group, words):
+def _find_child(group, words):
     """Process of a group whose command holds the words, and which is no shell; None where there is none."""
     for folder in pathlib.Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):

@@ -29,11 +29,11 @@ COLUMNS = (
     "differ",
 )
 COLUMNS += ("not_tried",)
-LISTS = ("half_made", "differ")
-IN_NAMESPACE = ("full_tmp",)
-ON_OWN_DISK = ("full_disk", "read_only")
-NAMES = ("kills", "terminated", "step_killed", "memory_limit", "two_runs", *IN_NAMESPACE, *ON_OWN_DISK)
-PAGE = """# What happens when something breaks
+LIST_COLUMNS = ("half_made", "differ")
+NEED_NAMESPACE = ("full_tmp",)
+NEED_OWN_DISK = ("full_disk", "read_only")
+FAULT_NAMES = ("kills", "terminated", "step_killed", "memory_limit", "two_runs", *NEED_NAMESPACE, *NEED_OWN_DISK)
+PAGE_TEMPLATE = """# What happens when something breaks
 
 Written by `tests/faults/run.py` (`make faults`; seed {seed}, {kills} kills). The study is `quick_focal` up to its
 deployments and one flow in three dimensions: {products} products. Each is compared with that of an undisturbed run.
@@ -50,7 +50,7 @@ The kills hit these steps: {steps}.
 """
 
 
-def summary(rows, seed):
+def faults_page(rows, seed):
     """The page of the rows."""
     kills = [row for row in rows if row["name"] == "kills"]
     steps = sorted({row["step"] for row in kills})
@@ -70,7 +70,9 @@ def summary(rows, seed):
         lines.append("| " + " | ".join(map(str, cells)) + " |")
     counts = ", ".join(f"{step} ({sum(row['step'] == step for row in kills)})" for step in steps)
     products = max(int(row["products"] or 0) for row in rows)
-    return PAGE.format(seed=seed, kills=len(kills), products=products, rows="\n".join(lines), steps=counts or "none")
+    return PAGE_TEMPLATE.format(
+        seed=seed, kills=len(kills), products=products, rows="\n".join(lines), steps=counts or "none"
+    )
 
 
 def main():
@@ -81,28 +83,28 @@ def main():
         "--only",
         nargs="*",
         metavar="FAULT",
-        default=NAMES,
+        default=FAULT_NAMES,
         help="faults to do; others keep their rows (none: page only)",
     )
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for faults.csv")
     parser.add_argument("--page", type=pathlib.Path, help="Markdown page")
     options = parser.parse_args()
-    if unknown := set(options.only) - set(NAMES):
-        parser.error(f"no such fault: {', '.join(sorted(unknown))}; known: {', '.join(NAMES)}")
+    if unknown := set(options.only) - set(FAULT_NAMES):
+        parser.error(f"no such fault: {', '.join(sorted(unknown))}; known: {', '.join(FAULT_NAMES)}")
     table = options.out / "faults.csv"
     if options.only:
         with tempfile.TemporaryDirectory(prefix="vci-faults-", dir="/var/tmp") as top:  # one fault fills /tmp
-            do(options, pathlib.Path(top), table)
-    rows = read(table)
+            run_faults(options, pathlib.Path(top), table)
+    rows = read_table(table)
     if options.page:
-        options.page.write_text(summary(rows, options.seed))
+        options.page.write_text(faults_page(rows, options.seed))
     bad = [row for row in rows if row["half_made"] or row["differ"] or row["resumed_exit_code"] not in ("", "0")]
     sys.exit(1 if bad else 0)
 
 
-def do(options, top, table):
+def run_faults(options, top, table):
     """Does the faults that the options name, in folders below `top`, and writes the table after each."""
-    rows = [row for row in read(table) if row["name"] not in options.only]
+    rows = [row for row in read_table(table) if row["name"] not in options.only]
     undisturbed = Study(top / "undisturbed")
     begin = time.monotonic()
     if undisturbed.run():
@@ -114,36 +116,36 @@ def do(options, top, table):
             study = Study(top / "kills")
             found = faults.kills(study, right, seconds, options.kills, random.Random(options.seed))
         else:
-            found = [one(getattr(faults, name), top, undisturbed, right, seconds)]
+            found = [run_fault(getattr(faults, name), top, undisturbed, right, seconds)]
         rows += [{"name": name, **row} for row in found]
         print(*found, sep="\n", flush=True)
-        write(table, sorted(rows, key=lambda row: NAMES.index(row["name"])))
+        write_table(table, sorted(rows, key=lambda row: FAULT_NAMES.index(row["name"])))
 
 
-def read(table):
+def read_table(table):
     """The rows of a table that an earlier run wrote, lists as lists; none where there is no table."""
     if not table.is_file():
         return []
     with open(table, newline="") as stream:
-        return [{**row, **{key: row[key].split() for key in LISTS}} for row in csv.DictReader(stream)]
+        return [{**row, **{key: row[key].split() for key in LIST_COLUMNS}} for row in csv.DictReader(stream)]
 
 
-def write(table, rows):
+def write_table(table, rows):
     """Writes the rows as CSV."""
     table.parent.mkdir(parents=True, exist_ok=True)
     with open(table, "w", newline="") as stream:
         out = csv.DictWriter(stream, COLUMNS, restval="", lineterminator="\n")
         out.writeheader()
-        out.writerows({**row, **{key: " ".join(row.get(key, ())) for key in LISTS}} for row in rows)
+        out.writerows({**row, **{key: " ".join(row.get(key, ())) for key in LIST_COLUMNS}} for row in rows)
 
 
-def one(fault, top, undisturbed, right, seconds):
+def run_fault(fault, top, undisturbed, right, seconds):
     """The row of one fault, in a folder of its own; `not_tried` where mounting is not allowed."""
     folder = top / fault.__name__
     folder.mkdir()
-    own_disk = fault.__name__ in ON_OWN_DISK
+    own_disk = fault.__name__ in NEED_OWN_DISK
     try:
-        if fault.__name__ in IN_NAMESPACE:
+        if fault.__name__ in NEED_NAMESPACE:
             subprocess.run(["unshare", "-m", "true"], check=True, capture_output=True)
         if own_disk:
             faults.mount(folder, "size=1g")
@@ -151,7 +153,7 @@ def one(fault, top, undisturbed, right, seconds):
         return {"fault": fault.__doc__.split(".")[0], "not_tried": "mounting needs root"}
     try:
         study = Study(folder)
-        study.right_bytes = undisturbed.bytes()
+        study.undisturbed_bytes = undisturbed.result_bytes()
         return fault(study, right, seconds)
     finally:
         if own_disk:

@@ -11,13 +11,13 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from workflow.manifest import digest  # noqa: E402
+from workflow.manifest import product_digest  # noqa: E402
 
 CASE = "quick_focal"
-COARSE = "\n  flow: {ffr_tolerance: 0.1}\n  ct: {enabled: false}\n"  # one mesh, a flow of seconds
+COARSE_SETTINGS = "\n  flow: {ffr_tolerance: 0.1}\n  ct: {enabled: false}\n"  # one mesh, a flow of seconds
 STEPS = ("vci/deployment.json", "rc/deployment.json", "flow/vci/ffr.json", "anatomy/tree.png")
 TARGETS = [f"results/cases/{CASE}/{step}" for step in STEPS]
-LOCKED = "the folder is locked"
+LOCK_MESSAGE = "the folder is locked"
 
 
 class Study:
@@ -31,7 +31,7 @@ class Study:
             shutil.copy2(ROOT / name, self.folder / name)
         (self.folder / "build").symlink_to((ROOT / "build").resolve())
         with open(self.folder / "config" / "cases" / f"{CASE}.yaml", "a") as stream:
-            stream.write(COARSE)
+            stream.write(COARSE_SETTINGS)
 
     def start(self, before=(), log="run.log"):
         """Starts the run in a process group of its own -> subprocess.Popen; its output is beside the folder.
@@ -69,7 +69,7 @@ class Study:
         """What `make unlock` does."""
         subprocess.run(["/usr/bin/snakemake", "--unlock", "--cores", "1"], cwd=self.folder, capture_output=True)
 
-    def said(self, *words):
+    def output_line(self, *words):
         """The first line of the last run's output that holds one of the words, short; empty where there is none."""
         lines = [line.strip(" |") for line in self.output.read_text(errors="replace").splitlines()]
         found = [line for word in words for line in lines if word.lower() in line.lower()]
@@ -82,24 +82,24 @@ class Study:
         kept = [file for file in files if not {"logs", "benchmarks"} & set(file.relative_to(cases).parts)]
         return {str(file.relative_to(cases)): _digest(file) for file in kept}
 
-    def bytes(self):
+    def result_bytes(self):
         """Size of all that the run left in results/."""
         return sum(file.stat().st_size for file in (self.folder / "results").rglob("*") if file.is_file())
 
-    def clear(self):
+    def remove_results(self):
         """Removes all that the run left."""
         for name in ("results", ".snakemake"):
             shutil.rmtree(self.folder / name)
 
 
-def wrong(found, right):
+def differing_products(found, right):
     """Names of the products that are not as in the undisturbed run; those that are not there yet do not count."""
     return sorted(name for name, value in found.items() if right.get(name) != value)
 
 
 def _digest(file):
     try:
-        return digest(file)
+        return product_digest(file)
     except Exception:  # a JSON file that is not whole is what is looked for
         return "not readable"
 

@@ -20,7 +20,7 @@ NUMERICS = {"maximal_steps_per_stage": 2, "device_edge_mm": 1.2}  # an accepted 
 ODD_VALUES = [None, True, -1, 0, 1e308, -1e308, 10**30, "", "main", [], {}, [[]], "1e9", 1e-320, 3.5]
 
 
-def flipped(content, numbers):
+def mutate_bytes(content, numbers):
     """Bytes changed, cut out, doubled or replaced by another digit."""
     content = bytearray(content)
     for _ in range(numbers.choice([1, 1, 3, 20])):
@@ -44,18 +44,18 @@ def flipped(content, numbers):
     return bytes(content)
 
 
-def places(node, path=()):
+def value_paths(node, path=()):
     """Paths of all values in a document."""
     items = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
     for key, value in items:
         yield path + (key,)
-        yield from places(value, path + (key,))
+        yield from value_paths(value, path + (key,))
 
 
-def odd_value(content, numbers):
+def replace_with_odd_value(content, numbers):
     """(JSON text with one of its values replaced by an odd one, what was replaced)."""
     document = json.loads(content)
-    *parents, last = numbers.choice(list(places(document)))
+    *parents, last = numbers.choice(list(value_paths(document)))
     node = document
     for key in parents:
         node = node[key]
@@ -64,7 +64,7 @@ def odd_value(content, numbers):
     return json.dumps(document), f"{(*parents, last)} = {value!r}"
 
 
-def formats(data):
+def vtp_encodings(data):
     """name -> bytes of a vtkPolyData in each form in which VTK writes it."""
     written = {}
     with tempfile.TemporaryDirectory() as folder:
@@ -133,11 +133,11 @@ def seeds():
         folder = pathlib.Path(folder)
         documents = _scenes(folder)
         lumen, centreline = (vtp.read(folder / f"{name}.vtp", "") for name in ("lumen", "centreline"))
-    branches = {f"side_{name}": content for name, content in formats(_with_side_branch(centreline)).items()}
+    branches = {f"side_{name}": content for name, content in vtp_encodings(_with_side_branch(centreline)).items()}
     return {
         "scene": {name: json.dumps(document).encode() for name, document in documents.items()},
-        "lumen": formats(lumen),
-        "centreline": formats(centreline) | branches,
+        "lumen": vtp_encodings(lumen),
+        "centreline": vtp_encodings(centreline) | branches,
     }
 
 
@@ -146,7 +146,9 @@ def mutants(reader, of, count, seed):
     numbers = random.Random(f"{reader} {seed}")
     for k in range(count):
         content = of[numbers.choice(sorted(of))]
-        yield odd_value(content, numbers)[0].encode() if reader == "scene" and k % 2 else flipped(content, numbers)
+        yield replace_with_odd_value(content, numbers)[0].encode() if reader == "scene" and k % 2 else mutate_bytes(
+            content, numbers
+        )
 
 
 def dictionary(reader, contents):

@@ -7,7 +7,7 @@ import argparse
 import pathlib
 import re
 
-HEAD = """# What the readers do with damaged files
+PAGE_HEAD = """# What the readers do with damaged files
 
 Written by `make fuzz FUZZ_SECONDS={seconds}`. A reader gets changed copies of sound files for {seconds} seconds.
 It must read each one, or refuse it with a message. A crash, an unfreed block of memory, undefined behaviour or a file
@@ -16,36 +16,38 @@ that takes too long is a fault.
 | reader | language | files | faults |
 | --- | --- | --- | --- |
 """
-TAIL = """
+PAGE_TAIL = """
 The C++ readers run under the address and undefined-behaviour sanitizers, and libFuzzer chooses the changes by the code
 that they reach. The Python readers get random changes of lines, words, numbers and bytes. `tests/fuzz/leaks.txt` names
 a leak in VTK that is left out. The files that caused faults are in `build-fuzz/found`.
 """
-OF_CPP = {
+CPP_READERS = {
     "scene": "scene of the deployment",
     "lumen": "lumen of the deployment (.vtp)",
     "centreline": "centreline of the deployment (.vtp)",
     "surface": "surface or mask (.stl, .ply, .obj, .vtp, .nii, .nrrd, .mha)",
 }
-OF_PYTHON = {"contours": "contour table", "case": "case", "study": "study", "device": "device family"}
+PYTHON_READERS = {"contours": "contour table", "case": "case", "study": "study", "device": "device family"}
 
 
-def of_cpp(name, log):
+def libfuzzer_row(name, log):
     """Row of a reader from libFuzzer's log. Raises ValueError if the log has no final count."""
     count = re.search(r"number_of_executed_units:\s*(\d+)", log)
     if not count:
         raise ValueError(f"{name}: the log does not say how many files were read")
     faults = len(re.findall(r"^SUMMARY: ", log, re.M))
-    return f"| {OF_CPP[name]} | C++ | {int(count[1]):,} | {faults} |"
+    return f"| {CPP_READERS[name]} | C++ | {int(count[1]):,} | {faults} |"
 
 
-def of_python(log):
+def python_rows(log):
     """Rows of the readers from the output of python_readers.py. Raises ValueError if one is missing."""
     found = {one[0]: one[1:] for one in re.findall(r"^(\w+): (\d+) mutants in .* (\d+) faults$", log, re.M)}
-    missing = sorted(set(OF_PYTHON) - set(found))
+    missing = sorted(set(PYTHON_READERS) - set(found))
     if missing:
         raise ValueError(f"the log lacks {', '.join(missing)}")
-    return [f"| {said} | Python | {int(found[name][0]):,} | {found[name][1]} |" for name, said in OF_PYTHON.items()]
+    return [
+        f"| {title} | Python | {int(found[name][0]):,} | {found[name][1]} |" for name, title in PYTHON_READERS.items()
+    ]
 
 
 def main():
@@ -54,9 +56,9 @@ def main():
     parser.add_argument("--seconds", type=int, required=True, help="that each reader ran")
     parser.add_argument("--out", type=pathlib.Path, required=True)
     options = parser.parse_args()
-    rows = [of_cpp(name, (options.logs / f"{name}.log").read_text(errors="replace")) for name in OF_CPP]
-    rows += of_python((options.logs / "python.log").read_text())
-    options.out.write_text(HEAD.format(seconds=options.seconds) + "\n".join(rows) + "\n" + TAIL)
+    rows = [libfuzzer_row(name, (options.logs / f"{name}.log").read_text(errors="replace")) for name in CPP_READERS]
+    rows += python_rows((options.logs / "python.log").read_text())
+    options.out.write_text(PAGE_HEAD.format(seconds=options.seconds) + "\n".join(rows) + "\n" + PAGE_TAIL)
 
 
 if __name__ == "__main__":

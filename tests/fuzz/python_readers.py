@@ -87,13 +87,13 @@ def complaint(read, path):
     begin = time.process_time()
     try:
         read(path)
-        said, answered = "", True
+        complaint_text, was_read = "", True
     except UserError:
-        said, answered = "", False
+        complaint_text, was_read = "", False
     except Exception:
-        said, answered = traceback.format_exc(limit=-3), False
+        complaint_text, was_read = traceback.format_exc(limit=-3), False
     seconds = time.process_time() - begin
-    return said or (f"took {seconds:.1f} s" if seconds > LONGEST_S else ""), answered
+    return complaint_text or (f"took {seconds:.1f} s" if seconds > LONGEST_S else ""), was_read
 
 
 def fuzz(name, seconds, seed, out):
@@ -106,12 +106,12 @@ def fuzz(name, seconds, seed, out):
         assert complaint(read, path) == ("", True), name
     while time.process_time() - begin < seconds:
         path.write_bytes(mutant(numbers.choice(seeds), numbers))
-        said, answered = complaint(read, path)
-        count, read_well = count + 1, read_well + answered
-        if said:
+        complaint_text, was_read = complaint(read, path)
+        count, read_well = count + 1, read_well + was_read
+        if complaint_text:
             faults += 1
             path.rename(out / f"{name}-{seed}-{count}{suffix}")
-            print(f"{name}-{seed}-{count}{suffix}: {said}", flush=True)
+            print(f"{name}-{seed}-{count}{suffix}: {complaint_text}", flush=True)
     path.unlink(missing_ok=True)
     print(f"{name}: {count} mutants in {seconds:g} s of processor time, {read_well} read, {faults} faults", flush=True)
     return faults

@@ -55,6 +55,6 @@ int main(int argc, char** argv) {
   int failed = 0;
   for (const std::string& file : std::vector<std::string>(argv + 1, argv + argc))
     failed += !runs(file);
-  std::cout << argc - 1 << " files, " << vci::tests::answered << " read, " << failed << " failed\n";
+  std::cout << argc - 1 << " files, " << vci::tests::files_read << " read, " << failed << " failed\n";
   return failed > 0 || argc < 2 ? 1 : 0;
 }

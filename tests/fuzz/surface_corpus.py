@@ -12,7 +12,7 @@ import numpy as np
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk
 
-from fuzz_corpus import flipped, formats
+from fuzz_corpus import mutate_bytes, vtp_encodings
 
 SUFFIXES = (".stl", ".vtp", ".ply", ".obj", ".nii", ".nrrd", ".mha")
 
@@ -72,7 +72,7 @@ def seeds():
         found[f"{form}.stl"] = _written(vtk.vtkSTLWriter(), surface, ".stl", **{call: ()})
         found[f"{form}.ply"] = _written(vtk.vtkPLYWriter(), surface, ".ply", **{call: ()})
     found["text.obj"] = _written(vtk.vtkOBJWriter(), surface, ".obj")
-    found |= {f"{name}.vtp": content for name, content in formats(surface).items() if name.endswith("32")}
+    found |= {f"{name}.vtp": content for name, content in vtp_encodings(surface).items() if name.endswith("32")}
     found["mask.nii"] = _written(vtk.vtkNIFTIImageWriter(), image, ".nii")
     found["wide.nii"] = _written(vtk.vtkNIFTIImageWriter(), mask(np.int16), ".nii")
     found["mask.mha"] = _written(vtk.vtkMetaImageWriter(), image, ".mha", SetCompression=(False,))
@@ -86,7 +86,7 @@ def mutants(of, count, seed):
     numbers = random.Random(f"surface {seed}")
     for _ in range(count):
         content = of[numbers.choice(sorted(of))]
-        yield content[:1] + flipped(content[1:], numbers)
+        yield content[:1] + mutate_bytes(content[1:], numbers)
 
 
 def main():

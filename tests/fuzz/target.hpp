@@ -34,14 +34,14 @@ private:
 };
 
 /// How many files were read without a refusal.
-inline std::size_t answered = 0;
+inline std::size_t files_read = 0;
 
 /// Calls a reader on a file of these bytes: it answers, or refuses with an InputError. Anything else escapes.
 template <class Read> void expect_answer(const std::uint8_t* bytes, std::size_t size, Read&& read) {
   const FileInMemory file(bytes, size);
   try {
     read(file.path());
-    ++answered;
+    ++files_read;
   } catch (const common::InputError& refusal) {
     if (!std::strstr(refusal.what(), "remedy:"))
       throw;

@@ -16,7 +16,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROFILE = ["--profile", str(ROOT / "config" / "profiles" / "slurm"), "--latency-wait", "5"]
-SMALL = """
+SMALL_WORKFLOW = """
 rule all:
     input: "cohort"
 rule generate:
@@ -67,7 +67,7 @@ class Cluster:
     def __init__(self, environment):
         self.environment = environment
 
-    def ask(self, *command):
+    def slurm_command(self, *command):
         """What a command of Slurm prints."""
         return subprocess.run(command, env=self.environment, text=True, capture_output=True, timeout=60).stdout
 
@@ -85,11 +85,11 @@ class Cluster:
     def running(self, count):
         """[(job, node)] once so many jobs run."""
         for _ in range(240):
-            lines = self.ask("squeue", "--noheader", "--states=RUNNING", "--format=%i %N").splitlines()
+            lines = self.slurm_command("squeue", "--noheader", "--states=RUNNING", "--format=%i %N").splitlines()
             if len(lines) == count:
                 return [tuple(line.split()) for line in lines]
             time.sleep(0.5)
-        raise AssertionError(f"{count} jobs never ran: {self.ask('squeue')}")
+        raise AssertionError(f"{count} jobs never ran: {self.slurm_command('squeue')}")
 
     def kill_node(self, job, node):
         """What a power cut does to a node: its daemon and all of the job are gone, and nobody tells the controller."""
@@ -145,7 +145,7 @@ def cluster(request, tmp_path_factory):
 @pytest.fixture
 def small(tmp_path):
     """A folder with the small workflow."""
-    (tmp_path / "Snakefile").write_text(SMALL)
+    (tmp_path / "Snakefile").write_text(SMALL_WORKFLOW)
     return tmp_path
 
 
@@ -170,7 +170,7 @@ def test_ctrl_c_leaves_no_job(cluster, small):
     snakemake.send_signal(signal.SIGINT)
     assert snakemake.wait(timeout=60) != 0
     for _ in range(60):
-        left = cluster.ask("squeue", "--noheader")
+        left = cluster.slurm_command("squeue", "--noheader")
         if not left:
             break
         time.sleep(0.5)
@@ -203,6 +203,6 @@ def test_a_node_that_dies(cluster, small):
         time.sleep(0.2)
     cluster.kill_node(job, node)
     assert snakemake.wait(timeout=300) == 0, (small / "log").read_text()
-    assert "NODE_FAIL" in cluster.ask("scontrol", "show", "job", job)
+    assert "NODE_FAIL" in cluster.slurm_command("scontrol", "show", "job", job)
     assert (small / "node").read_text() == "whole\n"
     assert len(list((small / ".snakemake" / "slurm").glob("*.log"))) == 2

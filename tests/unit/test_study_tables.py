@@ -41,10 +41,10 @@ def test_mean_and_deviation_of_those_that_have_a_value(results):
     "value, said", [("0.00079", "+0.00079"), ("-0.0126", "-0.013"), ("0.31", "+0.310"), ("0", "0.000")]
 )
 def test_a_small_bias_has_two_digits(value, said):
-    assert study_tables.small(value, 3) == said
+    assert study_tables.format_small(value, 3) == said
 
 
 def test_the_page_has_a_place_for_each_table_and_keeps_what_was_not_run(tmp_path):
     text = study_tables.PAGE.path.read_text()
-    assert study_tables.PAGE.names(text) == set(study_tables.MADE)
+    assert study_tables.PAGE.names(text) == set(study_tables.TABLE_FUNCTIONS)
     assert study_tables.PAGE.filled(text, tmp_path) == text

@@ -15,7 +15,7 @@ sys.path[:0] = [str(ROOT)]
 
 from common.errors import InputError, guarded  # noqa: E402
 
-PLACE = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.S)
+TABLE_MARKS = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.S)
 
 
 def markdown(headings, rows):
@@ -26,14 +26,15 @@ def markdown(headings, rows):
 class Page:
     """The measured.md of `folder`, or the page that `folder` names.
 
-    tables: {benchmark: (its table's file, {column there: heading})}; digits: {column: format of its numbers}; made:
-    {name: function of the folder `results` that gives a table's Markdown, or None where nothing was run}.
+    tables: {benchmark: (its table's file, {column there: heading})}; digits: {column: format of its numbers};
+    table_functions: {name: function of the folder `results` that gives a table's Markdown, or None where nothing was
+    run}.
     """
 
-    def __init__(self, folder, tables, digits, made=None):
+    def __init__(self, folder, tables, digits, table_functions=None):
         page = ROOT / folder
         self.path = page if page.suffix == ".md" else page / "measured.md"
-        self.tables, self.digits, self.made = tables, digits, made or {}
+        self.tables, self.digits, self.table_functions = tables, digits, table_functions or {}
 
     def text(self, column, value):
         """A value as the page writes it; words stay."""
@@ -57,24 +58,24 @@ class Page:
     @staticmethod
     def names(text):
         """The set of tables that a page's text has a place for."""
-        return {name for _, name, _ in PLACE.findall(text)}
+        return {name for _, name, _ in TABLE_MARKS.findall(text)}
 
     def filled(self, text, results):
         """The page's text with the tables of what was run in the folder `results`. Raises InputError."""
 
         def replacement(found):
             name, table = found.group(2), None
-            if name in self.made:
-                table = self.made[name](results)
+            if name in self.table_functions:
+                table = self.table_functions[name](results)
             elif name in self.tables:
                 file, columns = self.tables[name]
                 path = results / "benchmarks" / name / file
                 table = self.table(path, columns) if path.is_file() else None
             else:
-                raise InputError("no such table", self.path, name, ", ".join([*self.tables, *self.made]))
+                raise InputError("no such table", self.path, name, ", ".join([*self.tables, *self.table_functions]))
             return found.group(0) if table is None else found.group(1) + table + found.group(3)
 
-        return PLACE.sub(replacement, text)
+        return TABLE_MARKS.sub(replacement, text)
 
     @guarded
     def main(self):

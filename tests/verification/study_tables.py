@@ -15,13 +15,13 @@ sys.path[:0] = [str(pathlib.Path(__file__).parent), str(pathlib.Path(__file__).r
 
 from page_tables import Page, markdown  # noqa: E402
 
-from reports.page.build import signed_small  # noqa: E402
+from reports.page.build import signed_decimals  # noqa: E402
 
-AFTER = ("reference", "vci", "rc")
+STATES_AFTER = ("reference", "vci", "rc")
 DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}
-WORDS = {"ffr": "FFR", "mean_area": "mean area, mm2", "minimum_area": "smallest area, mm2"}
-WORDS |= {"mean_curvature": "mean curvature, 1/mm"}
-COMPARED = {
+QUANTITY_NAMES = {"ffr": "FFR", "mean_area": "mean area, mm2", "minimum_area": "smallest area, mm2"}
+QUANTITY_NAMES |= {"mean_curvature": "mean curvature, 1/mm"}
+COMPARISON_NAMES = {
     "vci_minus_reference": "VCI, method",
     "rc_minus_reference": "radius correction, method",
     "ct_vci_minus_vci": "VCI, imaging before",
@@ -31,7 +31,7 @@ COMPARED = {
 }
 
 
-def read(results, name):
+def read_rows(results, name):
     """Rows of a table of results/study; None where it is not there."""
     path = results / "study" / f"{name}.csv"
     if not path.is_file():
@@ -40,41 +40,45 @@ def read(results, name):
         return list(csv.DictReader(file))
 
 
-def number(text, digits, sign=""):
+def format_number(text, digits, sign=""):
     """A number as the page writes it; empty where there is none."""
     return f"{float(text):{sign}.{digits}f}" if text else ""
 
 
-def small(text, least):
+def format_small(text, least):
     """A bias as the report's page writes it: `least` decimals, or more if two significant digits need them."""
-    return signed_small(float(text), least).replace("−", "-")
+    return signed_decimals(float(text), least).replace("−", "-")
 
 
 def patients(results):
     """Markdown with a row a patient: FFR before and after, areas after."""
-    rows = read(results, "cohort")
+    rows = read_rows(results, "cohort")
     if rows is None:
         return None
-    headings = ["patient", "FFR before", *(f"FFR, {state}" for state in AFTER)]
-    headings += [f"{area}, {state}" for area in ("mean area", "smallest") for state in AFTER] + ["expansion index"]
+    headings = ["patient", "FFR before", *(f"FFR, {state}" for state in STATES_AFTER)]
+    headings += [f"{area}, {state}" for area in ("mean area", "smallest") for state in STATES_AFTER] + [
+        "expansion index"
+    ]
     table = []
     for row in rows:
-        line = [row["case"], number(row["pre_ffr_distal"], 3)]
-        line += [number(row[f"{state}_ffr_distal"], 3) for state in AFTER]
-        line += [number(row[f"{state}_{area}_area_mm2"], 2) for area in ("mean", "minimum") for state in AFTER]
-        table.append([*line, number(row["deployment_expansion_index"], 2)])
+        line = [row["case"], format_number(row["pre_ffr_distal"], 3)]
+        line += [format_number(row[f"{state}_ffr_distal"], 3) for state in STATES_AFTER]
+        line += [
+            format_number(row[f"{state}_{area}_area_mm2"], 2) for area in ("mean", "minimum") for state in STATES_AFTER
+        ]
+        table.append([*line, format_number(row["deployment_expansion_index"], 2)])
     return markdown(headings, table)
 
 
 def spread(results):
     """Markdown: mean and SD over the patients of FFR, mean area and curvature in each state."""
-    rows = read(results, "cohort")
+    rows = read_rows(results, "cohort")
     if rows is None:
         return None
     data = pd.DataFrame(rows).apply(pd.to_numeric, errors="coerce")
     kinds = {"FFR": ("ffr_distal", 3), "mean area, mm2": ("mean_area_mm2", 1)}
     kinds |= {"smallest area, mm2": ("minimum_area_mm2", 1), "mean curvature, 1/mm": ("mean_curvature_per_mm", 3)}
-    states = [state for state in ("pre", *AFTER, "ct", "ct_vci") if f"{state}_ffr_distal" in data]
+    states = [state for state in ("pre", *STATES_AFTER, "ct", "ct_vci") if f"{state}_ffr_distal" in data]
     table = []
     for words, (column, digits) in kinds.items():
         found = [data[f"{state}_{column}"].dropna() for state in states]
@@ -91,48 +95,53 @@ def half_maximum(results):
 
 def agreement(results, name="agreement"):
     """Markdown: bias and SD of each comparison over the included patients, with the published one."""
-    rows = read(results, name)
+    rows = read_rows(results, name)
     if rows is None:
         return None
     table = []
     for row in rows:
-        if row["patients"] != "included" or row["comparison"] not in COMPARED:
+        if row["patients"] != "included" or row["comparison"] not in COMPARISON_NAMES:
             continue
         digits = DIGITS[row["quantity"]]
         published = ""
         if row["published_bias"]:
-            published = f"{small(row['published_bias'], digits)} ± {number(row['published_sd'], digits)}"
-        low, high = (number(row[f"loa_{end}"], digits, "+") for end in ("lower", "upper"))
-        line = [WORDS[row["quantity"]], COMPARED[row["comparison"]], row["n"], small(row["bias"], digits)]
-        table.append([*line, number(row["sd"], digits + 1), f"{low} to {high}" if low else "", published])
+            published = f"{format_small(row['published_bias'], digits)} ± {format_number(row['published_sd'], digits)}"
+        low, high = (format_number(row[f"loa_{end}"], digits, "+") for end in ("lower", "upper"))
+        line = [
+            QUANTITY_NAMES[row["quantity"]],
+            COMPARISON_NAMES[row["comparison"]],
+            row["n"],
+            format_small(row["bias"], digits),
+        ]
+        table.append([*line, format_number(row["sd"], digits + 1), f"{low} to {high}" if low else "", published])
     return markdown(["quantity", "error", "n", "bias", "SD", "limits of agreement", "published"], table)
 
 
 def nearer(results):
     """Markdown: whether VCI or radius correction is nearer to the truth."""
-    rows = read(results, "nearer")
+    rows = read_rows(results, "nearer")
     if rows is None:
         return None
     table = []
     for row in rows:
         if row["patients"] == "included":
             digits = DIGITS[row["quantity"]] + 1
-            line = [WORDS[row["quantity"]], row["truth"], number(row["error_vci"], digits)]
-            line += [number(row["error_rc"], digits), f"{row['patients_vci_nearer']} of {row['n']}", row["ties"]]
-            table.append([*line, number(row["p"], 3), row["vci_is"]])
+            line = [QUANTITY_NAMES[row["quantity"]], row["truth"], format_number(row["error_vci"], digits)]
+            line += [format_number(row["error_rc"], digits), f"{row['patients_vci_nearer']} of {row['n']}", row["ties"]]
+            table.append([*line, format_number(row["p"], 3), row["vci_is"]])
     headings = ["quantity", "truth", "error of VCI", "error of radius correction", "VCI nearer", "ties", "p", "VCI is"]
     return markdown(headings, table)
 
 
 def seconds(results):
     """Markdown: seconds of a deployment by stage and step, beside the published ones."""
-    rows = read(results, "seconds")
+    rows = read_rows(results, "seconds")
     if rows is None:
         return None
     table = []
     for row in rows:
         own = f"{float(row['mean_s']):.2f}" + (f" ± {float(row['sd_s']):.2f}" if row["sd_s"] else "")
-        published = number(row["published_mean_s"], 2)
+        published = format_number(row["published_mean_s"], 2)
         published += f" ± {float(row['published_sd_s']):.2f}" if row["published_sd_s"] else ""
         table.append([row["by"], row["name"], row["n"], own, published])
     return markdown(["by", "name", "n", "seconds", "published"], table)
@@ -140,7 +149,7 @@ def seconds(results):
 
 def cost(results):
     """Markdown: processor seconds by kind of step over all patients."""
-    rows = read(results, "timings")
+    rows = read_rows(results, "timings")
     if rows is None:
         return None
     data = pd.DataFrame([row for row in rows if row["source"] == "workflow" and row["cpu_s"]])
@@ -158,9 +167,9 @@ def cost(results):
     return markdown(["step", "runs", "CPU s", "longest, CPU s", "peak memory, MiB"], table)
 
 
-MADE = {"patients": patients, "spread": spread, "agreement": agreement, "nearer": nearer, "seconds": seconds}
-MADE |= {"half_maximum": half_maximum, "cost": cost}
-PAGE = Page("docs/nine-patients.md", {}, {}, MADE)
+TABLE_FUNCTIONS = {"patients": patients, "spread": spread, "agreement": agreement, "nearer": nearer, "seconds": seconds}
+TABLE_FUNCTIONS |= {"half_maximum": half_maximum, "cost": cost}
+PAGE = Page("docs/nine-patients.md", {}, {}, TABLE_FUNCTIONS)
 
 if __name__ == "__main__":
     PAGE.main()

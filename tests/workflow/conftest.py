@@ -13,7 +13,7 @@ import pytest
 
 SNAKEMAKE = "/usr/bin/snakemake"
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-LEFT_OUT = shutil.ignore_patterns(
+NOT_COPIED = shutil.ignore_patterns(
     ".git", "build", "build-*", "results", ".snakemake", "__pycache__", "data", ".pytest_cache"
 )
 
@@ -31,7 +31,7 @@ class Workspace:
         variables = {**os.environ, **dict(environment)}
         return subprocess.run(command, cwd=self.folder, env=variables, text=True, capture_output=True)
 
-    def jobs(self, *arguments, cohort="quick", more=()):
+    def planned_jobs(self, *arguments, cohort="quick", more=()):
         """The jobs a dry run plans: dicts with name, wildcards, input, output, log, benchmark, reason."""
         record = self.folder / "jobs.jsonl"
         record.unlink(missing_ok=True)
@@ -40,10 +40,10 @@ class Workspace:
         assert run.returncode == 0, run.stdout + run.stderr
         return [json.loads(line) for line in record.read_text().splitlines()] if record.exists() else []
 
-    def planned(self, *arguments, cohort="quick", more=()):
+    def planned_rules(self, *arguments, cohort="quick", more=()):
         """{"rule" or "rule case" or "rule case state"} that a dry run would execute, without the rule all."""
         found = set()
-        for job in self.jobs(*arguments, cohort=cohort, more=more):
+        for job in self.planned_jobs(*arguments, cohort=cohort, more=more):
             words = [job["name"], *(job["wildcards"].get(key) for key in ("case", "state", "section"))]
             found.add(" ".join(word for word in words if word))
         return found - {"all"}
@@ -63,7 +63,7 @@ class Workspace:
 
 def copy_repository(folder):
     """A Workspace with the repository's files and stand-ins for the programs (never run in a dry run)."""
-    shutil.copytree(ROOT, folder, ignore=LEFT_OUT)
+    shutil.copytree(ROOT, folder, ignore=NOT_COPIED)
     (folder / "build").mkdir()
     for program in ("vci", "lumen", "three.min.js"):
         (folder / "build" / program).write_text(f"{program}\n")
@@ -74,7 +74,7 @@ def copy_repository(folder):
 def finished_study(tmp_path_factory):
     """A Workspace whose quick cohort counts as computed; not to be changed (see `finished`)."""
     workspace = copy_repository(tmp_path_factory.mktemp("finished") / "repository")
-    for job in workspace.jobs():
+    for job in workspace.planned_jobs():
         for name in [*job["output"], *job["log"], *([job["benchmark"]] if job["benchmark"] else [])]:
             path = workspace.folder / name
             path.parent.mkdir(parents=True, exist_ok=True)

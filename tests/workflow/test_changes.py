@@ -5,68 +5,78 @@ import time
 
 import pytest
 
-from workflow.cohort import prune
+from workflow.cohort import prune_results
 
 pytestmark = pytest.mark.slow
 
-STUDY = {"study_figures", "agreement", "nearer", "contrast", "differences", "seconds", "cohort", "timings", "patients"}
-STUDY |= {"provenance", "report", "numbers", "crate"}
+STUDY_RULES = {
+    "study_figures",
+    "agreement",
+    "nearer",
+    "contrast",
+    "differences",
+    "seconds",
+    "cohort",
+    "timings",
+    "patients",
+}
+STUDY_RULES |= {"provenance", "report", "numbers", "crate"}
 CASE = "quick_focal"
-OTHER = "quick_branch"
+OTHER_CASE = "quick_branch"
 FROM_CT = ("ct_vci", "ct_rc")
 STATES = ("pre", "vci", "rc", "reference", "ct", *FROM_CT)
-STARTED = ("rc", "reference", "ct", *FROM_CT)  # their flows start from that of `vci`
-ANATOMIES = ("state_anatomy", "half_maximum_anatomy")  # of lumens found in CT
+STATES_WITH_START = ("rc", "reference", "ct", *FROM_CT)  # their flows start from that of `vci`
+ANATOMY_RULES = ("state_anatomy", "half_maximum_anatomy")  # of lumens found in CT
 
 
-def varied(case):
+def whatif_jobs(case):
     """What follows a change of a case's lumens, procedure or flow beside its metrics."""
     jobs = {f"other_plans {case}", f"flow_sensitivity {case}", f"sensitivity_figure {case}"}
-    return jobs | {f"half_maximum_ffr {case}"} | arm_measured(case)
+    return jobs | {f"half_maximum_ffr {case}"} | arm_metrics_jobs(case)
 
 
-def arm_measured(case):
+def arm_metrics_jobs(case):
     """What follows a change of the lumens at half maximum, or of those that they are compared with."""
     return {f"half_maximum_metrics {case}", "half_maximum_agreement"}
 
 
-def end_of_case(case):
+def final_jobs(case):
     """What follows any change of a case's results."""
-    return {f"metrics {case}", f"case_figures {case}", f"ct_figure {case}"} | STUDY
+    return {f"metrics {case}", f"case_figures {case}", f"ct_figure {case}"} | STUDY_RULES
 
 
-def flow_of(case, states=STATES):
+def flow_jobs(case, states=STATES):
     """Mesh and solution of the states; the flows of the others start from that of the prediction."""
-    solved = {*states, *STARTED} if "vci" in states else states
+    solved = {*states, *STATES_WITH_START} if "vci" in states else states
     meshed = {f"flow_mesh {case} {state}" for state in states}
-    return meshed | {f"flow_solve {case} {state}" for state in solved} | varied(case)
+    return meshed | {f"flow_solve {case} {state}" for state in solved} | whatif_jobs(case)
 
 
-def ct_of(case, states=("pre", "reference")):
+def ct_jobs(case, states=("pre", "reference")):
     """The CT of the states; the reference's is a state of its own, `ct`, and from that before all is predicted anew."""
     rules = ("ct_phantom", "ct_segment", "half_maximum_segment")
     jobs = {f"{rule} {case} {state}" for rule in rules for state in states}
     if "pre" in states:
-        jobs |= {f"{rule} {case} ct_pre" for rule in ANATOMIES} | predicted_from_ct(case)
+        jobs |= {f"{rule} {case} ct_pre" for rule in ANATOMY_RULES} | ct_prediction_jobs(case)
     if "reference" in states:
-        jobs |= {f"{rule} {case} ct" for rule in ANATOMIES} | flow_of(case, ["ct"])
+        jobs |= {f"{rule} {case} ct" for rule in ANATOMY_RULES} | flow_jobs(case, ["ct"])
     return jobs
 
 
-def predicted_from_ct(case):
+def ct_prediction_jobs(case):
     """Everything that follows a new plan, or a new lumen, in the CT before the procedure."""
     rules = ("carry_plan", "ct_scene", "half_maximum_carry_plan", "half_maximum_scene")
-    return {f"{rule} {case}" for rule in rules} | deployed_from_ct(case)
+    return {f"{rule} {case}" for rule in rules} | ct_deployment_jobs(case)
 
 
-def deployed_from_ct(case):
+def ct_deployment_jobs(case):
     """Everything that follows a new scene or program for the lumen of the CT before the procedure."""
     rules = ("ct_deploy", "ct_radius_correct", "half_maximum_deploy", "half_maximum_radius_correct")
-    jobs = {f"{rule} {case}" for rule in rules} | flow_of(case, FROM_CT)
-    return jobs | {f"{rule} {case} {state}" for rule in ANATOMIES for state in FROM_CT}
+    jobs = {f"{rule} {case}" for rule in rules} | flow_jobs(case, FROM_CT)
+    return jobs | {f"{rule} {case} {state}" for rule in ANATOMY_RULES for state in FROM_CT}
 
 
-def after_plan(case):
+def jobs_after_plan(case):
     """Everything that follows a new scene."""
     after = ("vci", "rc", "reference")
     deformed = {
@@ -80,96 +90,96 @@ def after_plan(case):
     return (
         deformed
         | {f"state_anatomy {case} {state}" for state in after}
-        | flow_of(case, after)
-        | ct_of(case, ["reference"])
-        | predicted_from_ct(case)
-        | end_of_case(case)
+        | flow_jobs(case, after)
+        | ct_jobs(case, ["reference"])
+        | ct_prediction_jobs(case)
+        | final_jobs(case)
     )
 
 
-def after_anatomy(case):
+def jobs_after_anatomy(case):
     """Everything that follows a new lumen before the procedure."""
     first = {f"anatomy_picture {case}", f"plan {case}", f"boundary {case}"}
-    return first | flow_of(case, ["pre"]) | ct_of(case) | after_plan(case)
+    return first | flow_jobs(case, ["pre"]) | ct_jobs(case) | jobs_after_plan(case)
 
 
 def test_nothing_to_do(finished):
-    assert finished.planned() == set()
+    assert finished.planned_rules() == set()
 
 
 def test_a_touched_file_without_new_content_runs_nothing(finished):
     time.sleep(0.01)
     os.utime(finished.folder / "config" / "devices" / "des.yaml")
     os.utime(finished.folder / "flow" / "inputs" / "boundary.py")
-    assert finished.planned() == set()
+    assert finished.planned_rules() == set()
 
 
 def test_lumen_program(finished):
     finished.append("build/lumen", "changed\n")
-    expected = {f"anatomy {case}" for case in (CASE, OTHER)} | {"software"}
-    assert finished.planned() == expected | after_anatomy(CASE) | after_anatomy(OTHER)
+    expected = {f"anatomy {case}" for case in (CASE, OTHER_CASE)} | {"software"}
+    assert finished.planned_rules() == expected | jobs_after_anatomy(CASE) | jobs_after_anatomy(OTHER_CASE)
 
 
 def test_vci_program(finished):
     finished.append("build/vci", "changed\n")
     expected = {"software"}
-    for case in (CASE, OTHER):
+    for case in (CASE, OTHER_CASE):
         expected |= {f"deploy {case}", f"procedure_figure {case}", f"radius_correct {case}"}
-        expected |= {f"state_anatomy {case} {state}" for state in ("vci", "rc")} | flow_of(case, ("vci", "rc"))
-        expected |= deployed_from_ct(case) | end_of_case(case)
-    assert finished.planned() == expected
+        expected |= {f"state_anatomy {case} {state}" for state in ("vci", "rc")} | flow_jobs(case, ("vci", "rc"))
+        expected |= ct_deployment_jobs(case) | final_jobs(case)
+    assert finished.planned_rules() == expected
 
 
 def test_module_of_the_reference(finished):
     finished.append("data_synthetic/reference/solid/materials.py", "# changed\n")
     expected = set()
-    for case in (CASE, OTHER):
-        expected |= {f"reference {case}", f"state_anatomy {case} reference"} | flow_of(case, ["reference"])
-        expected |= ct_of(case, ["reference"]) | end_of_case(case)
-    assert finished.planned() == expected
+    for case in (CASE, OTHER_CASE):
+        expected |= {f"reference {case}", f"state_anatomy {case} reference"} | flow_jobs(case, ["reference"])
+        expected |= ct_jobs(case, ["reference"]) | final_jobs(case)
+    assert finished.planned_rules() == expected
 
 
 def test_module_of_the_segmentation(finished):
     finished.append("anatomy/ct/rays/edges.py", "# changed\n")
     expected = set()
-    for case in (CASE, OTHER):
-        expected |= (ct_of(case) - {f"ct_phantom {case} {state}" for state in STATES}) | end_of_case(case)
-    assert finished.planned() == expected
+    for case in (CASE, OTHER_CASE):
+        expected |= (ct_jobs(case) - {f"ct_phantom {case} {state}" for state in STATES}) | final_jobs(case)
+    assert finished.planned_rules() == expected
 
 
 def test_module_of_one_figure(finished):
     finished.append("reports/figures/lumen.py", "# changed\n")
-    figures = {f"{figure} {case}" for figure in ("case_figures", "procedure_figure") for case in (CASE, OTHER)}
-    assert finished.planned() == figures | {"report", "crate"}
+    figures = {f"{figure} {case}" for figure in ("case_figures", "procedure_figure") for case in (CASE, OTHER_CASE)}
+    assert finished.planned_rules() == figures | {"report", "crate"}
 
 
 def test_device_of_a_plan(finished):
     """The plans of both quick cases name the device."""
     finished.edit("config/devices/non_compliant.yaml", "shoulder_mm: 1.8", "shoulder_mm: 1.9")
-    planned = finished.planned()
-    assert planned == {f"plan {CASE}", f"plan {OTHER}"} | after_plan(CASE) | after_plan(OTHER)
+    planned = finished.planned_rules()
+    assert planned == {f"plan {CASE}", f"plan {OTHER_CASE}"} | jobs_after_plan(CASE) | jobs_after_plan(OTHER_CASE)
 
 
 def test_description_of_a_case(finished):
     """The metrics quote a case's description, for the report; nothing is computed from it."""
     finished.edit(f"config/cases/{CASE}.yaml", "description: ", "description: Renamed. ")
-    assert finished.planned() == end_of_case(CASE)
+    assert finished.planned_rules() == final_jobs(CASE)
 
 
 def test_comment_in_a_case(finished):
     finished.append(f"config/cases/{CASE}.yaml", "# seen by nobody\n")
-    assert finished.planned() == set()
+    assert finished.planned_rules() == set()
 
 
 def test_patient_of_a_case(finished):
     finished.edit(f"config/cases/{CASE}.yaml", "lvm_g: 130", "lvm_g: 135")
-    expected = {f"plan {CASE}", f"boundary {CASE}", f"flow_solve {CASE} pre"} | after_plan(CASE)
-    assert finished.planned() == expected
+    expected = {f"plan {CASE}", f"boundary {CASE}", f"flow_solve {CASE} pre"} | jobs_after_plan(CASE)
+    assert finished.planned_rules() == expected
 
 
 def test_vessel_of_a_case(finished):
     finished.edit(f"config/cases/{CASE}.yaml", "seed: 4", "seed: 5")
-    assert finished.planned() == {f"generate {CASE}", f"anatomy {CASE}"} | after_anatomy(CASE)
+    assert finished.planned_rules() == {f"generate {CASE}", f"anatomy {CASE}"} | jobs_after_anatomy(CASE)
 
 
 @pytest.mark.parametrize(
@@ -182,33 +192,35 @@ def test_vessel_of_a_case(finished):
 def test_section_of_a_case(finished, section, key, rules):
     """One section of the settings, of one case alone."""
     finished.append(f"config/cases/{CASE}.yaml", f"  {section}:\n    {key}\n")
-    expected = {rule.format(CASE) for rule in rules} | end_of_case(CASE)
-    assert finished.planned() == expected | (flow_of(CASE) if section == "flow" else arm_measured(CASE))
+    expected = {rule.format(CASE) for rule in rules} | final_jobs(CASE)
+    assert finished.planned_rules() == expected | (flow_jobs(CASE) if section == "flow" else arm_metrics_jobs(CASE))
 
 
 def test_section_of_the_study(finished):
     finished.append("config/study.yaml", "reference:\n  radius_step_mm: 0.2\n")
     expected = set()
-    for case in (CASE, OTHER):
+    for case in (CASE, OTHER_CASE):
         expected |= {f"settings {case} reference", f"reference {case}", f"state_anatomy {case} reference"}
-        expected |= flow_of(case, ["reference"]) | ct_of(case, ["reference"]) | end_of_case(case)
-    assert finished.planned() == expected
+        expected |= flow_jobs(case, ["reference"]) | ct_jobs(case, ["reference"]) | final_jobs(case)
+    assert finished.planned_rules() == expected
 
 
 def test_numerics_of_the_deployment_leave_the_reference_alone(finished):
     finished.append("config/study.yaml", "deployment:\n  numerics:\n    residual_tolerance: 0.002\n")
-    planned = finished.planned()
+    planned = finished.planned_rules()
     assert {f"deploy {CASE}", f"ct_deploy {CASE}"} <= planned
     of_reference = {job for job in planned if "reference" in job.split()}
-    assert of_reference == {f"flow_solve {case} reference" for case in (CASE, OTHER)}, "it starts from the prediction's"
+    assert of_reference == {
+        f"flow_solve {case} reference" for case in (CASE, OTHER_CASE)
+    }, "it starts from the prediction's"
 
 
 def test_a_pruned_patient_runs_nothing_again(finished):
     """A finished patient of a cohort keeps no surfaces and meshes; its metrics do not ask for them."""
     metrics = f"results/cases/{CASE}/metrics.json"
     assert (finished.folder / f"results/cases/{CASE}/flow/vci/mesh.msh").exists()
-    prune(finished.folder / f"results/cases/{CASE}")
+    prune_results(finished.folder / f"results/cases/{CASE}")
     assert not (finished.folder / f"results/cases/{CASE}/flow/vci/mesh.msh").exists()
-    assert finished.planned(metrics) == set()
+    assert finished.planned_rules(metrics) == set()
     finished.append("build/vci", "changed\n")
-    assert {f"anatomy {CASE}", f"deploy {CASE}", f"metrics {CASE}"} <= finished.planned(metrics)
+    assert {f"anatomy {CASE}", f"deploy {CASE}", f"metrics {CASE}"} <= finished.planned_rules(metrics)

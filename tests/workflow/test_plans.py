@@ -14,7 +14,7 @@ SEGMENTATIONS = ("ct_segment", "half_maximum_segment")
 
 
 def test_dry_run_of_a_fresh_clone_plans_every_state(fresh):
-    planned = fresh.planned()
+    planned = fresh.planned_rules()
     for case in ("quick_focal", "quick_branch"):
         assert {f"flow_solve {case} {state}" for state in ("pre", "vci", "rc", "reference", "ct", "ct_vci")} <= planned
         found = {f"{rule} {case} {state}" for rule in SEGMENTATIONS for state in ("pre", "reference")}
@@ -25,20 +25,23 @@ def test_dry_run_of_a_fresh_clone_plans_every_state(fresh):
 @pytest.mark.parametrize("cohort", ["three", "contrast"])
 def test_no_product_of_two_jobs(fresh, cohort):
     makers = collections.Counter(
-        name for job in fresh.jobs(cohort=cohort) for name in [*job["output"], *job["log"], job["benchmark"]] if name
+        name
+        for job in fresh.planned_jobs(cohort=cohort)
+        for name in [*job["output"], *job["log"], job["benchmark"]]
+        if name
     )
     assert [name for name, count in makers.items() if count > 1] == []
 
 
 def test_every_rule_keeps_a_log_and_a_benchmark(fresh):
-    jobs = [job for job in fresh.jobs(cohort="three") if job["name"] != "all"]
+    jobs = [job for job in fresh.planned_jobs(cohort="three") if job["name"] != "all"]
     assert [job["name"] for job in jobs if not job["log"]] == []
     without = {job["name"] for job in jobs if not job["benchmark"]}
     assert without == {"settings", "half_maximum_settings"}, "only writing down settings is not worth a benchmark"
 
 
 def test_every_rule_has_its_code_or_program_among_its_inputs(fresh):
-    for job in fresh.jobs():
+    for job in fresh.planned_jobs():
         if job["name"] in ("all", "settings", "half_maximum_settings"):
             continue
         programs = [name for name in job["input"] if name.endswith(".py") or name in ("build/vci", "build/lumen")]
@@ -46,14 +49,14 @@ def test_every_rule_has_its_code_or_program_among_its_inputs(fresh):
 
 
 def test_single_target(fresh):
-    planned = fresh.planned("results/cases/quick_focal/flow/vci/ffr.json")
+    planned = fresh.planned_rules("results/cases/quick_focal/flow/vci/ffr.json")
     assert "flow_solve quick_focal vci" in planned
     assert not {job for job in planned if "quick_branch" in job or "reference" in job or "report" in job}
 
 
 def test_an_audit_in_time_is_made_only_when_asked_for(fresh):
-    assert not [job for job in fresh.planned() if job.startswith("flow_audit")]
-    planned = fresh.planned("results/cases/quick_focal/flow/pre/audit.json")
+    assert not [job for job in fresh.planned_rules() if job.startswith("flow_audit")]
+    planned = fresh.planned_rules("results/cases/quick_focal/flow/pre/audit.json")
     assert "flow_audit quick_focal pre" in planned and "flow_mesh quick_focal pre" in planned
     assert not [job for job in planned if job.startswith("flow_solve")]
 
@@ -85,34 +88,34 @@ def test_benchmarks_stand_apart_and_feed_the_report(finished):
         "reference_sensitivity",
         "benchmarks",
     }
-    assert finished.planned() == set()
-    assert finished.planned("benchmarks") == names
+    assert finished.planned_rules() == set()
+    assert finished.planned_rules("benchmarks") == names
     by_name = ("flow_against_openfoam", "flow_tree_against_openfoam", "flow_growth", "flow_tolerance")
     by_name += ("flow_wall_shear", "flow_fda_jet", "deployment_coarse_walls")
     for name in (*by_name, "reference_against_calculix"):
-        assert finished.planned(name) == {name}, "by its name only"
+        assert finished.planned_rules(name) == {name}, "by its name only"
     table = finished.folder / "results" / "benchmarks" / "flow_hard_cases" / "hard_cases.csv"
     table.parent.mkdir(parents=True)
     table.write_text("case,ffr\nsharp bend,0.89\n")
-    assert finished.planned() == {"report", "crate"}
+    assert finished.planned_rules() == {"report", "crate"}
     os.utime(table, (1e9, 1e9))  # older than the code that made it, as after an update
-    assert finished.planned() == {"report", "crate"}
+    assert finished.planned_rules() == {"report", "crate"}
 
 
 def test_the_flow_of_another_plan_is_solved_only_when_asked_for(finished):
     ffr = "results/cases/quick_focal/plans/larger/flow/ffr.json"
     steps = ("plan_lumen", "plan_mesh", "plan_solve")
-    assert finished.planned(ffr) == {f"{step} quick_focal" for step in steps}
+    assert finished.planned_rules(ffr) == {f"{step} quick_focal" for step in steps}
     (finished.folder / ffr).parent.mkdir(parents=True)
     (finished.folder / ffr).write_text("{}")
-    assert finished.planned() == {"report", "numbers", "crate"}, "which show it"
+    assert finished.planned_rules() == {"report", "numbers", "crate"}, "which show it"
 
 
 def test_pressures_and_places_are_varied_only_when_asked_for(finished):
     table = "results/cases/quick_focal/sensitivity/deployment.csv"
-    assert finished.planned(table) == {"procedure_sensitivity quick_focal"}
+    assert finished.planned_rules(table) == {"procedure_sensitivity quick_focal"}
     (finished.folder / table).write_text("input\n")
-    assert finished.planned() == {
+    assert finished.planned_rules() == {
         "sensitivity_figure quick_focal",
         "report",
         "numbers",
@@ -121,7 +124,7 @@ def test_pressures_and_places_are_varied_only_when_asked_for(finished):
 
 
 def test_forcerun(finished):
-    planned = finished.planned("--forcerun", "radius_correct")
+    planned = finished.planned_rules("--forcerun", "radius_correct")
     assert {"radius_correct quick_focal", "radius_correct quick_branch"} <= planned
     assert not {job for job in planned if job.startswith(("deploy", "reference", "plan"))}
 
@@ -143,7 +146,7 @@ def test_a_surface_case_has_no_reference(fresh):
 
 def test_a_case_without_ct_has_none(fresh):
     fresh.append("config/cases/quick_focal.yaml", "  ct: {enabled: false}\n")
-    planned = fresh.planned()
+    planned = fresh.planned_rules()
     of_ct = (" ct_", "ct_", "half_maximum")
     assert not {job for job in planned if "quick_focal" in job and (of_ct[0] in job or job.startswith(of_ct[1:]))}
     assert "half_maximum_metrics quick_branch" in planned
@@ -155,18 +158,18 @@ def test_lumens_at_half_maximum_only_where_the_study_finds_them_otherwise(fresh)
     """And only that arm is left out where a step of it failed."""
     failed = {"failed": [{"case": "quick_branch", "step": "half_maximum/deploy"}]}
     (fresh.folder / "failed.json").write_text(json.dumps(failed))
-    planned = fresh.planned(more=["failed=failed.json"])
+    planned = fresh.planned_rules(more=["failed=failed.json"])
     assert "half_maximum_metrics quick_focal" in planned and "metrics quick_branch" in planned
     assert not {job for job in planned if job.startswith("half_maximum") and "quick_branch" in job}
     fresh.append("config/cases/quick_focal.yaml", "  ct: {segmentation: {method: half_maximum}}\n")
-    planned = fresh.planned()
+    planned = fresh.planned_rules()
     assert not {job for job in planned if job.startswith("half_maximum") and "quick_focal" in job}
     assert "ct_segment quick_focal pre" in planned and "half_maximum_metrics quick_branch" in planned
 
 
 def test_radius_correction_by_the_stents_alone_where_it_is_asked_for(fresh):
-    assert not [job for job in fresh.planned() if "rc_stent" in job or "stent_alone" in job]
-    planned = fresh.planned(cohort="contrast")
+    assert not [job for job in fresh.planned_rules() if "rc_stent" in job or "stent_alone" in job]
+    planned = fresh.planned_rules(cohort="contrast")
     for case in ("contrast_bend", "contrast_overlap"):
         assert {f"stent_alone {case}", f"stent_alone_radius_correct {case}", f"flow_solve {case} rc_stent"} <= planned
 
@@ -181,7 +184,7 @@ def test_a_plan_in_two_branches_has_no_reference(fresh):
 
 @pytest.mark.parametrize("cohort", ["nine", "three", "quick", "contrast", "hard"])
 def test_shipped_cohorts_are_complete(fresh, cohort):
-    assert fresh.planned(cohort=cohort)
+    assert fresh.planned_rules(cohort=cohort)
 
 
 def test_a_real_patient_after_the_procedure_is_a_state(fresh, tmp_path):
@@ -219,7 +222,7 @@ def test_groups_of_the_slurm_profile_never_wait_for_their_own_steps(fresh, cohor
     """A step outside a group may not stand between two steps of that group: neither could ever start."""
     profile = yaml.safe_load((fresh.folder / "config/profiles/slurm/config.yaml").read_text())
     groups = dict(entry.split("=") for entry in profile["groups"])
-    jobs = fresh.jobs(cohort=cohort)
+    jobs = fresh.planned_jobs(cohort=cohort)
     makers = {file: k for k, job in enumerate(jobs) for file in job["output"]}
     before = {k: {makers[file] for file in job["input"] if file in makers} for k, job in enumerate(jobs)}
     whole = {k: k for k in before}  # a job's group, by its first job

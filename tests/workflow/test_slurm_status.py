@@ -7,12 +7,12 @@ import subprocess
 import pytest
 
 STATUS = pathlib.Path(__file__).resolve().parents[2] / "config" / "profiles" / "slurm" / "status.sh"
-FORGOTTEN = "echo 'slurm_load_jobs error: Invalid job id specified' >&2; exit 1"
-SILENT = "echo 'slurm_load_jobs error: Unable to contact slurm controller (connect failure)' >&2; exit 1"
+UNKNOWN_JOB = "echo 'slurm_load_jobs error: Invalid job id specified' >&2; exit 1"
+NO_CONTROLLER = "echo 'slurm_load_jobs error: Unable to contact slurm controller (connect failure)' >&2; exit 1"
 NO_ACCOUNTS = "echo 'Slurm accounting storage is disabled' >&2; exit 1"
 
 
-def known(state):
+def controller_with_job(state):
     """A controller that knows the job."""
     return f"echo 'JobId=7 JobName=deploy JobState={state} Reason=None Dependency=(null)'"
 
@@ -20,18 +20,18 @@ def known(state):
 @pytest.mark.parametrize(
     "scontrol, sacct, expected",
     [
-        (known("PENDING"), NO_ACCOUNTS, "running"),
-        (known("RUNNING"), NO_ACCOUNTS, "running"),
-        (known("COMPLETING"), NO_ACCOUNTS, "running"),
-        (known("COMPLETED"), NO_ACCOUNTS, "success"),
-        (known("FAILED"), NO_ACCOUNTS, "failed"),
-        (known("NODE_FAIL"), NO_ACCOUNTS, "failed"),
-        (known("OUT_OF_MEMORY"), NO_ACCOUNTS, "failed"),
-        (known("TIMEOUT"), NO_ACCOUNTS, "failed"),
-        (SILENT, NO_ACCOUNTS, "running"),
-        (FORGOTTEN, NO_ACCOUNTS, "failed"),
-        (FORGOTTEN, "echo COMPLETED", "success"),
-        (FORGOTTEN, "echo 'CANCELLED by 1000'", "failed"),
+        (controller_with_job("PENDING"), NO_ACCOUNTS, "running"),
+        (controller_with_job("RUNNING"), NO_ACCOUNTS, "running"),
+        (controller_with_job("COMPLETING"), NO_ACCOUNTS, "running"),
+        (controller_with_job("COMPLETED"), NO_ACCOUNTS, "success"),
+        (controller_with_job("FAILED"), NO_ACCOUNTS, "failed"),
+        (controller_with_job("NODE_FAIL"), NO_ACCOUNTS, "failed"),
+        (controller_with_job("OUT_OF_MEMORY"), NO_ACCOUNTS, "failed"),
+        (controller_with_job("TIMEOUT"), NO_ACCOUNTS, "failed"),
+        (NO_CONTROLLER, NO_ACCOUNTS, "running"),
+        (UNKNOWN_JOB, NO_ACCOUNTS, "failed"),
+        (UNKNOWN_JOB, "echo COMPLETED", "success"),
+        (UNKNOWN_JOB, "echo 'CANCELLED by 1000'", "failed"),
     ],
 )
 def test_status(tmp_path, scontrol, sacct, expected):

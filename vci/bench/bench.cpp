@@ -13,17 +13,17 @@ std::vector<InflationPoint> inflate(const BalloonSpec& spec, const Numerics& num
   std::vector<double> radii;
   for (int r = 0; r < grid.rings(); ++r) {
     frames.push_back({Vec3(0, 0, grid.s[r]), Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY()});
-    radii.push_back(0.5 * spec.crimped_diameter * grid.start[r]);
+    radii.push_back(0.5 * spec.crimped_diameter * grid.start_ratio[r]);
   }
   Balloon balloon = add_balloon(system, spec, grid, frames, radii);
-  Interactions only_itself;
-  add_layers(only_itself, system, balloon, spec, numerics.contact);
+  Interactions interactions;
+  add_layer_contacts(interactions, system, balloon, spec, numerics.contact);
   bool unfolds = true;
   std::vector<InflationPoint> points;
   const BalloonChart chart(spec.chart_pressure_bar, spec.chart_diameter, spec.crimped_diameter);
   for (double p : pressure_bar) {
     set_pressure(balloon, p * mpa_per_bar);
-    const RelaxResult r = relax(system, only_itself, with_folds(numerics.integrator, spec, unfolds));
+    const RelaxResult r = relax(system, interactions, folded_balloon_settings(numerics.integrator, spec, unfolds));
     unfolds = false;
     if (!r.converged)
       throw common::ComputationError("the free balloon did not reach force balance", std::to_string(p) + " bar",

@@ -23,15 +23,15 @@ void Crimper::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness,
     const double d = depth(p);
     if (d <= 0)
       continue;
-    const Vec3 outward = Vec3(p[0], p[1], 0).normalized(), round = Vec3::UnitZ().cross(outward);
+    const Vec3 outward = Vec3(p[0], p[1], 0).normalized(), tangential = Vec3::UnitZ().cross(outward);
     force[vertices_[k]] -= stiffness_ * d * outward;
     if (stiffness)
       stiffness->block(slots_[k]) +=
-          stiffness_ * (outward * outward.transpose() + d / (radius_ + d) * round * round.transpose());
+          stiffness_ * (outward * outward.transpose() + d / (radius_ + d) * tangential * tangential.transpose());
   }
 }
 
-double Crimper::total(const Vectors& x) const {
+double Crimper::total_force(const Vectors& x) const {
   double sum = 0;
   for (int v : vertices_)
     sum += stiffness_ * depth(x[v]);

@@ -10,12 +10,12 @@ public:
   Crimper(std::vector<int> vertices, double stiffness_n_per_mm)
       : VertexForce(std::move(vertices)), stiffness_(stiffness_n_per_mm) {}
   /// Sets R, mm.
-  void close(double radius) { radius_ = radius; }
+  void set_radius(double radius) { radius_ = radius; }
   ForceKind kind() const override { return ForceKind::foundation; }
   double energy(const Vectors& x) const override;
   void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
   /// The sum of the radial forces on all vertices, N.
-  double total(const Vectors& x) const;
+  double total_force(const Vectors& x) const;
 
 private:
   /// Distance (mm) of p beyond R; 0 within R.

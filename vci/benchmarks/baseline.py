@@ -4,15 +4,15 @@
 
 All runs are on generated scenes. The textbook scheme has fixed time steps and solves by conjugate gradients without
 preconditioner. It stops once velocities are small, and moves the whole vessel. It is run with contact to the flat
-triangles, as in textbooks, with the meshes and settings in FACETS. It is run again with this engine's smooth contact,
-with those in TEXTBOOK. The default solver is run with several edge lengths. A run that has used its budget of CPU
-seconds is stopped.
+triangles, as in textbooks, with the meshes and settings in FACET_RUNS. It is run again with this engine's smooth
+contact, with those in TEXTBOOK_RUNS. The default solver is run with several edge lengths. A run that has used its
+budget of CPU seconds is stopped.
 
 baseline.csv has a row for each run. A run's errors are its differences to the reference: the default solver with edges
-of REFERENCE mm and a tenth of the default residual tolerance. levels.csv has rows for levels of error of the mean area.
-A row gives, for a scene and a level, the cheapest run of each scheme within this error, and the ratio of their times.
-If no run of a scheme has so small an error, the row gives the scheme's smallest error and the time of all its runs.
-Runs follow one another on one thread. CPU seconds are those of the whole program.
+of REFERENCE_EDGE_MM and a tenth of the default residual tolerance. levels.csv has rows for levels of error of the mean
+area. A row gives, for a scene and a level, the cheapest run of each scheme within this error, and the ratio of their
+times. If no run of a scheme has so small an error, the row gives the scheme's smallest error and the time of all its
+runs. Runs follow one another on one thread. CPU seconds are those of the whole program.
 """
 
 import argparse
@@ -23,89 +23,91 @@ import resource
 import sys
 
 from common.errors import InputError, guarded
-from vci.benchmarks.benchmark import ERRORS, SCENES, outcome_of, with_errors, write_table
+from vci.benchmarks.benchmark import ERROR_COLUMNS, SCENES, add_errors, run_outcome, write_table
 from vci.benchmarks.scenes import write_scene
 from vci.benchmarks.speed_figures import draw_fronts
 
 COLUMNS = (
     *"case,scheme,edge_mm,fixed_step_ms,velocity_stop_mm_per_ms,pcg_tolerance,outcome,reason".split(","),
     *"steps,cg_iterations,largest_residual,max_penetration_mm,cpu_seconds,mean_csa_mm2,mla_mm2".split(","),
-    *ERRORS,
+    *ERROR_COLUMNS,
 )
 LEVEL_COLUMNS = (
     *"case,error_percent,contact,default_edge_mm,default_cpu_seconds,default_error_percent,textbook_edge_mm".split(","),
     *"textbook_step_ms,textbook_stop_mm_per_ms,textbook_cpu_seconds,textbook_error_percent,times".split(","),
 )
-NAMES = ("straight", "eccentric", "calcified", "curved 0.12 per mm")  # scenes in benchmark.SCENES
-EDGES = [1.0, 0.8, 0.6, 0.4]  # mm: edge lengths of the wall for the default solver
-REFERENCE = 0.25  # mm: edge length of the wall for the reference
-LEVELS = (5, 3, 1)  # %: errors of the mean area for the rows of levels.csv
-SOLVES = {"pcg_tolerance": 1e-3, "pcg_maximal_iterations": 3000}
+SCENE_NAMES = ("straight", "eccentric", "calcified", "curved 0.12 per mm")  # scenes in benchmark.SCENES
+EDGES_MM = [1.0, 0.8, 0.6, 0.4]  # mm: edge lengths of the wall for the default solver
+REFERENCE_EDGE_MM = 0.25  # mm: edge length of the wall for the reference
+ERROR_LEVELS_PERCENT = (5, 3, 1)  # %: errors of the mean area for the rows of levels.csv
+LINEAR_SOLVES = {"pcg_tolerance": 1e-3, "pcg_maximal_iterations": 3000}
 # Runs of the textbook scheme: edge (mm), fixed step (ms), velocity at which it stops (mm/ms), settings of the linear
 # solves. The finer meshes show which small errors are due to chance.
-TEXTBOOK = [
-    *((1.0, 0.01, stop, SOLVES) for stop in (1e-2, 3e-3)),
-    *((edge, 0.01, 1e-2, SOLVES) for edge in (0.8, 0.6)),
-    (1.0, 0.003, 1e-3, SOLVES),
-    (1.0, 0.001, 1e-3, SOLVES),
+TEXTBOOK_RUNS = [
+    *((1.0, 0.01, stop, LINEAR_SOLVES) for stop in (1e-2, 3e-3)),
+    *((edge, 0.01, 1e-2, LINEAR_SOLVES) for edge in (0.8, 0.6)),
+    (1.0, 0.003, 1e-3, LINEAR_SOLVES),
+    (1.0, 0.001, 1e-3, LINEAR_SOLVES),
     (0.6, 0.01, 1e-2, {}),  # linear solves to the default tolerance
 ]
 # Runs with contact to flat triangles, whose error depends on the mesh. At edges of 0.4 mm, a run with the longest fixed
 # step (0.01 ms) is not done within 60 CPU seconds.
-FACETS = [
-    *((edge, 0.01, 1e-2, SOLVES) for edge in (1.0, 0.6)),
-    (0.6, 0.003, 1e-3, SOLVES),
-    (0.4, 0.003, 1e-2, SOLVES),
+FACET_RUNS = [
+    *((edge, 0.01, 1e-2, LINEAR_SOLVES) for edge in (1.0, 0.6)),
+    (0.6, 0.003, 1e-3, LINEAR_SOLVES),
+    (0.4, 0.003, 1e-2, LINEAR_SOLVES),
 ]
-SCHEMES = {  # textbook schemes by name: value of numerics.contact_surface, runs
-    "textbook, contact with facets": ("facets", FACETS),
-    "textbook, smooth contact": ("smooth", TEXTBOOK),
+TEXTBOOK_SCHEMES = {  # textbook schemes by name: value of numerics.contact_surface, runs
+    "textbook, contact with facets": ("facets", FACET_RUNS),
+    "textbook, smooth contact": ("smooth", TEXTBOOK_RUNS),
 }
-SPRINGS = {"springs, Lame": {}, "springs, Van Gelder": {"spring_mapping": "van_gelder"}}
+SPRING_WALLS = {"springs, Lame": {}, "springs, Van Gelder": {"spring_mapping": "van_gelder"}}
 
 
-def runs_of(edges):
+def scheme_runs(edges):
     """Yields each run of a scene as (scheme, edge in mm, {column of the table: value}, settings of the scene).
 
     `edges` (mm) are those of the default solver. The last run is the reference.
     """
     for edge in edges:
         yield "default", edge, {}, {}
-    for scheme, (surface, runs) in SCHEMES.items():
-        for edge, step, stop, solves in runs:
+    for scheme, (surface, runs) in TEXTBOOK_SCHEMES.items():
+        for edge, step, stop, linear_solves in runs:
             columns = {"fixed_step_ms": step, "velocity_stop_mm_per_ms": stop}
             numerics = {"integration": "textbook", "contact_surface": surface, "maximal_steps_per_stage": 20000}
-            if solves:
-                columns["pcg_tolerance"] = solves["pcg_tolerance"]
-            yield scheme, edge, columns, {"numerics": numerics | columns | solves}
-    for scheme, mapping in SPRINGS.items():
+            if linear_solves:
+                columns["pcg_tolerance"] = linear_solves["pcg_tolerance"]
+            yield scheme, edge, columns, {"numerics": numerics | columns | linear_solves}
+    for scheme, mapping in SPRING_WALLS.items():
         yield scheme, max(edges), {}, {"wall": {"model": "mass-spring"} | mapping}
-    yield "reference", REFERENCE, {}, {"numerics": {"residual_tolerance": 3e-4}}
+    yield "reference", REFERENCE_EDGE_MM, {}, {"numerics": {"residual_tolerance": 3e-4}}
 
 
 def run_scene(options, name):
     """Runs the scene `name` with every scheme. Returns the rows of the table; the reference's row is the last."""
-    tube, how = SCENES[name]
+    tube, scene_options = SCENES[name]
     folder, rows = options.out / name.replace(" ", "_"), []
-    for number, (scheme, edge, columns, settings) in enumerate(runs_of(options.edges)):
+    for number, (scheme, edge, columns, settings) in enumerate(scheme_runs(options.edges)):
         numerics = {"device_edge_mm": min(1.0, 1.125 * edge)} | settings.get("numerics", {})
-        place = folder / str(number)
-        scene = write_scene(place, dataclasses.replace(tube, edge=edge), **how, **settings | {"numerics": numerics})
+        run_folder = folder / str(number)
+        scene = write_scene(
+            run_folder, dataclasses.replace(tube, edge=edge), **scene_options, **settings | {"numerics": numerics}
+        )
         row = {"case": name, "scheme": scheme, "edge_mm": edge} | columns
-        rows.append(row | outcome_of(options.build / "vci", scene, options.budget))
+        rows.append(row | run_outcome(options.build / "vci", scene, options.budget))
         print(json.dumps(rows[-1]), file=sys.stderr)
-    return with_errors(rows, rows[-1] if rows[-1]["outcome"] == "balanced" else None)
+    return add_errors(rows, rows[-1] if rows[-1]["outcome"] == "balanced" else None)
 
 
-def level(rows, scheme, error):
+def level_columns(rows, scheme, error):
     """Columns of levels.csv for a scene's rows, a textbook scheme and a largest error of the mean area (%).
 
     They describe the cheapest runs of the default and of this scheme within the error, and the ratio of their times.
     """
-    key, row, cheapest = ERRORS[0], {}, {}
+    key, row, cheapest = ERROR_COLUMNS[0], {}, {}
     for name, column in (("default", "default"), (scheme, "textbook")):
-        tried = [r for r in rows if r["scheme"] == name]
-        within = [r for r in tried if key in r and abs(r[key]) <= error]
+        scheme_rows = [r for r in rows if r["scheme"] == name]
+        within = [r for r in scheme_rows if key in r and abs(r[key]) <= error]
         if within:
             best = cheapest[column] = min(within, key=lambda r: r["cpu_seconds"])
             row[f"{column}_edge_mm"] = best["edge_mm"]
@@ -114,23 +116,25 @@ def level(rows, scheme, error):
             if column == "textbook":
                 row["textbook_step_ms"] = best["fixed_step_ms"]
                 row["textbook_stop_mm_per_ms"] = best["velocity_stop_mm_per_ms"]
-        elif tried:  # no run is within the error: the time of all runs, and their smallest error
+        elif scheme_rows:  # no run is within the error: the time of all runs, and their smallest error
             row[f"{column}_edge_mm"] = "not reached"
-            row[f"{column}_cpu_seconds"] = sum(r["cpu_seconds"] for r in tried)
-            row[f"{column}_error_percent"] = min((r[key] for r in tried if key in r), key=abs, default="")
+            row[f"{column}_cpu_seconds"] = sum(r["cpu_seconds"] for r in scheme_rows)
+            row[f"{column}_error_percent"] = min((r[key] for r in scheme_rows if key in r), key=abs, default="")
     if len(cheapest) == 2:
         row["times"] = cheapest["textbook"]["cpu_seconds"] / cheapest["default"]["cpu_seconds"]
     return row
 
 
-def levels(rows):
+def level_rows(rows):
     """The rows of levels.csv, one for each scene, textbook scheme and level of error, from the rows of all runs."""
     table = []
     for case in dict.fromkeys(r["case"] for r in rows):
-        own = [r for r in rows if r["case"] == case]
-        for scheme, (surface, _) in SCHEMES.items():
-            for error in LEVELS:
-                table.append({"case": case, "error_percent": error, "contact": surface} | level(own, scheme, error))
+        case_rows = [r for r in rows if r["case"] == case]
+        for scheme, (surface, _) in TEXTBOOK_SCHEMES.items():
+            for error in ERROR_LEVELS_PERCENT:
+                table.append(
+                    {"case": case, "error_percent": error, "contact": surface} | level_columns(case_rows, scheme, error)
+                )
     return table
 
 
@@ -138,23 +142,23 @@ def levels(rows):
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python3 -m vci.benchmarks.baseline", description=__doc__.splitlines()[0])
     parser.add_argument("--only", nargs="+", help="names of scenes; all without it")
-    parser.add_argument("--edges", nargs="+", type=float, default=EDGES, help="mm: the default's")
+    parser.add_argument("--edges", nargs="+", type=float, default=EDGES_MM, help="mm: the default's")
     parser.add_argument("--budget", type=int, default=60, help="CPU seconds after which a run is stopped")
     parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"), help="folder of the program vci")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for baseline.csv and the scenes")
     options = parser.parse_args(arguments)
-    unknown = set(options.only or []) - set(NAMES)
+    unknown = set(options.only or []) - set(SCENE_NAMES)
     if unknown:
-        raise InputError("no such scene", "--only", ", ".join(sorted(unknown)), "use " + "; ".join(NAMES))
+        raise InputError("no such scene", "--only", ", ".join(sorted(unknown)), "use " + "; ".join(SCENE_NAMES))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     options.out.mkdir(parents=True, exist_ok=True)
     rows = []
-    for name in options.only or NAMES:
+    for name in options.only or SCENE_NAMES:
         rows += run_scene(options, name)
-        known = [{k: r[k] for k in COLUMNS if k in r} for r in rows]
-        write_table(known, COLUMNS, options.out / "baseline.csv")
-        write_table(levels(rows), LEVEL_COLUMNS, options.out / "levels.csv")
-    draw_fronts(rows, ("default", *SCHEMES), ERRORS[0], options.out / "baseline.png")
+        table_rows = [{k: r[k] for k in COLUMNS if k in r} for r in rows]
+        write_table(table_rows, COLUMNS, options.out / "baseline.csv")
+        write_table(level_rows(rows), LEVEL_COLUMNS, options.out / "levels.csv")
+    draw_fronts(rows, ("default", *TEXTBOOK_SCHEMES), ERROR_COLUMNS[0], options.out / "baseline.png")
 
 
 if __name__ == "__main__":

@@ -22,24 +22,24 @@ import sys
 import numpy as np
 
 from common.errors import InputError, guarded
-from vci.benchmarks.programs import reason_of, run
+from vci.benchmarks.programs import refusal_reason, run_program
 from vci.benchmarks.scenes import Tube, write_scene
-from vci.benchmarks.shipped import culotte, processed
+from vci.benchmarks.shipped import culotte_scene, process_lumen
 from vci.benchmarks.speed_figures import draw_speed
 
-SETTING = ("edge_mm", "residual_tolerance", "precision", "wall")
-ERRORS = ("mean_csa_error_percent", "mla_error_percent")
+SETTING_COLUMNS = ("edge_mm", "residual_tolerance", "precision", "wall")
+ERROR_COLUMNS = ("mean_csa_error_percent", "mla_error_percent")
 COLUMNS = (
     "case",
-    *SETTING,
+    *SETTING_COLUMNS,
     *"outcome,reason,wall_vertices,steps,cg_iterations,largest_residual,max_penetration_mm,seconds,cpu_seconds".split(
         ","
     ),
     *"microseconds_per_vertex_step,peak_memory_mib,mean_csa_mm2,mla_mm2".split(","),
-    *ERRORS,
+    *ERROR_COLUMNS,
     "reference",
 )
-MEDIANS = ("steps", "seconds", "cpu_seconds", "microseconds_per_vertex_step", "peak_memory_mib", *ERRORS)
+MEDIAN_COLUMNS = ("steps", "seconds", "cpu_seconds", "microseconds_per_vertex_step", "peak_memory_mib", *ERROR_COLUMNS)
 SCENES = {
     "straight": (Tube(stenosis=0.6), {}),
     "curved 0.12 per mm": (Tube(stenosis=0.6, curvature=0.12), {}),
@@ -49,10 +49,10 @@ SCENES = {
     "long diffuse": (Tube(length=40, stenosis=0.5, lesion_length=24), {"length": 18}),
 }
 BIFURCATION = "bifurcation"  # the shipped bench's first two steps: a stent across the side branch, optimised
-BUDGET = 300  # limit of a run in CPU seconds; a slower one has no place in a table of speeds
+BUDGET_CPU_SECONDS = 300  # limit of a run in CPU seconds; a slower one has no place in a table of speeds
 
 
-def surface_of(case):
+def source_surface(case):
     """The surface from which a case's anatomy was made, synthetic or the user's, and its units."""
     source = json.loads((case / "anatomy" / "anatomy.json").read_text())["source"]
     synthetic = case / "source" / "lumen.vtp"
@@ -62,50 +62,50 @@ def surface_of(case):
     return path, source["units"]
 
 
-def remeshed(programs, case, edge, folder):
+def remeshed_scene(programs, case, edge, folder):
     """The case's scene (JSON) on its surface remeshed at an edge (mm)."""
-    processed(programs, *surface_of(case), edge, folder / "anatomy")
+    process_lumen(programs, *source_surface(case), edge, folder / "anatomy")
     scene = json.loads((case / "vci" / "scene.json").read_text())
     return scene | {"lumen": "anatomy/lumen.vtp", "centreline": "anatomy/centreline.vtp"}
 
 
-def generated(name, edge, folder):
+def generated_scene(name, edge, folder):
     """The generated scene (JSON) at an edge (mm)."""
-    tube, how = SCENES[name]
-    return json.loads(write_scene(folder, dataclasses.replace(tube, edge=edge), **how).read_text())
+    tube, scene_options = SCENES[name]
+    return json.loads(write_scene(folder, dataclasses.replace(tube, edge=edge), **scene_options).read_text())
 
 
-def scene_of(programs, case, edge, folder):
+def benchmark_scene(programs, case, edge, folder):
     if case == BIFURCATION:
-        return culotte(programs, edge, folder, steps=2)
-    return generated(case, edge, folder) if case in SCENES else remeshed(programs, case, edge, folder)
+        return culotte_scene(programs, edge, folder, steps=2)
+    return generated_scene(case, edge, folder) if case in SCENES else remeshed_scene(programs, case, edge, folder)
 
 
-def deploy(programs, case, setting, folder):
+def deployment_row(programs, case, setting, folder):
     """One row: a case (folder or name of a generated scene) at a setting, the devices' edge in proportion."""
     edge, tolerance, precision, wall = setting
     folder.mkdir(parents=True, exist_ok=True)
-    scene = scene_of(programs, case, edge, folder)
+    scene = benchmark_scene(programs, case, edge, folder)
     numerics = scene.get("numerics", {})
     default = numerics.get("device_edge_mm", 0.45)
     scene["numerics"] = numerics | {"residual_tolerance": tolerance, "device_edge_mm": min(1.0, default * edge / 0.4)}
     scene["numerics"]["pcg_precision"] = precision
     scene["wall"] = scene.get("wall", {}) | {"model": wall}
     (folder / "scene.json").write_text(json.dumps(scene))
-    row = outcome_of(programs / "vci", folder / "scene.json", BUDGET)
-    return {"case": name_of(case)} | dict(zip(SETTING, setting)) | row
+    row = run_outcome(programs / "vci", folder / "scene.json", BUDGET_CPU_SECONDS)
+    return {"case": case_name(case)} | dict(zip(SETTING_COLUMNS, setting)) | row
 
 
-def outcome_of(program, scene, budget=None):
+def run_outcome(program, scene, budget=None):
     """Runs a scene (results in vci/ beside it): outcome, CPU seconds, memory and, if it balanced, its results."""
     out = scene.parent / "vci"
-    code, messages, cpu = run([program, "deploy", scene, "--out", out], budget)
+    code, messages, cpu = run_program([program, "deploy", scene, "--out", out], budget)
     if code == -signal.SIGXCPU:
         return {"outcome": "stopped", "reason": f"not done after {budget} CPU s", "cpu_seconds": cpu}
     if code:
-        return {"outcome": "refused", "reason": reason_of(messages), "cpu_seconds": cpu}
+        return {"outcome": "refused", "reason": refusal_reason(messages), "cpu_seconds": cpu}
     result = json.loads((out / "deployment.json").read_text())
-    stages, area = result["stages"], areas_of(out)
+    stages, area = result["stages"], section_areas(out)
     steps = sum(s["steps"] for s in stages)
     return {
         "outcome": "balanced",
@@ -123,24 +123,26 @@ def outcome_of(program, scene, budget=None):
     }
 
 
-def areas_of(out):
+def section_areas(out):
     """Areas (n,) in mm2 along the segment of a run's deployment.json; NaN where the section has no closed outline."""
     profile = json.loads((out / "deployment.json").read_text())["csa_profile"]
     return np.array([row["area_mm2"] for row in profile], float)
 
 
-def name_of(case):
+def case_name(case):
     return case if isinstance(case, str) else case.name
 
 
-def medians(rows):
+def median_rows(rows):
     """A row for each setting: medians over the cases that balanced; errors count by their size."""
     result = []
-    for setting in dict.fromkeys(tuple(r[k] for k in SETTING) for r in rows):
-        own = [r for r in rows if tuple(r[k] for k in SETTING) == setting and r["outcome"] == "balanced"]
-        row = dict(zip(SETTING, setting)) | {"cases": len(own)}
-        for key in MEDIANS:
-            values = [abs(r[key]) for r in own if key in r]
+    for setting in dict.fromkeys(tuple(r[k] for k in SETTING_COLUMNS) for r in rows):
+        balanced_rows = [
+            r for r in rows if tuple(r[k] for k in SETTING_COLUMNS) == setting and r["outcome"] == "balanced"
+        ]
+        row = dict(zip(SETTING_COLUMNS, setting)) | {"cases": len(balanced_rows)}
+        for key in MEDIAN_COLUMNS:
+            values = [abs(r[key]) for r in balanced_rows if key in r]
             row[key] = float(np.median(values)) if values else ""
         result.append(row)
     return result
@@ -153,18 +155,18 @@ def write_table(rows, columns, path):
         writer.writerows(rows)
 
 
-def with_errors(rows, truth):
-    """Rows with their errors in percent against the row `truth` (None: none balanced)."""
+def add_errors(rows, reference):
+    """Rows with their errors in percent against the row `reference` (None: none balanced)."""
     for row in rows:
-        if truth and row["outcome"] == "balanced":
+        if reference and row["outcome"] == "balanced":
             for name in ("mean_csa", "mla"):
-                row[f"{name}_error_percent"] = 100 * (row[f"{name}_mm2"] / truth[f"{name}_mm2"] - 1)
-            if "residual_tolerance" in truth:
-                row["reference"] = f"{truth['edge_mm']:g} mm, {truth['residual_tolerance']:g}"
+                row[f"{name}_error_percent"] = 100 * (row[f"{name}_mm2"] / reference[f"{name}_mm2"] - 1)
+            if "residual_tolerance" in reference:
+                row["reference"] = f"{reference['edge_mm']:g} mm, {reference['residual_tolerance']:g}"
     return rows
 
 
-def settings_of(options):
+def benchmark_settings(options):
     """The settings to run at: every edge with the first tolerance, precision and wall, and one edge with the others."""
     first = (options.tolerances[0], options.precisions[0], options.walls[0])
     settings = [(edge, *first) for edge in sorted(options.edges, reverse=True)]
@@ -182,20 +184,20 @@ def run_case(options, case):
     that balanced.
     """
 
-    def row_at(setting):
-        folder = options.out / name_of(case).replace(" ", "_") / f"edge_{setting[0]:g}"
-        row = deploy(options.build, case, setting, folder)
-        print(f"{name_of(case)}, {setting}: {row['outcome']} {row.get('reason', '')}", file=sys.stderr)
+    def run_setting(setting):
+        folder = options.out / case_name(case).replace(" ", "_") / f"edge_{setting[0]:g}"
+        row = deployment_row(options.build, case, setting, folder)
+        print(f"{case_name(case)}, {setting}: {row['outcome']} {row.get('reason', '')}", file=sys.stderr)
         return row
 
-    rows = [row_at(setting) for setting in settings_of(options)]
-    usual = (options.precisions[0], options.walls[0])
+    rows = [run_setting(setting) for setting in benchmark_settings(options)]
+    default_method = (options.precisions[0], options.walls[0])
     for edge in sorted(options.edges):
-        rows.append(row_at((edge, float(f"{options.tolerances[0] / 10:.3g}"), *usual)))
+        rows.append(run_setting((edge, float(f"{options.tolerances[0] / 10:.3g}"), *default_method)))
         if rows[-1]["outcome"] == "balanced":
-            return with_errors(rows, rows[-1])
-    known = [r for r in rows if r["outcome"] == "balanced" and (r["precision"], r["wall"]) == usual]
-    return with_errors(rows, min(known, key=lambda r: (r["edge_mm"], r["residual_tolerance"]), default=None))
+            return add_errors(rows, rows[-1])
+    comparable_rows = [r for r in rows if r["outcome"] == "balanced" and (r["precision"], r["wall"]) == default_method]
+    return add_errors(rows, min(comparable_rows, key=lambda r: (r["edge_mm"], r["residual_tolerance"]), default=None))
 
 
 @guarded
@@ -221,8 +223,8 @@ def main(arguments=None):
     for case in [*((options.only or names) if options.generated or not options.cases else ()), *options.cases]:
         rows += run_case(options, case)
         write_table(rows, COLUMNS, options.out / "benchmark.csv")
-        write_table(medians(rows), [*SETTING, "cases", *MEDIANS], options.out / "medians.csv")
-    draw_speed(rows, medians(rows), ERRORS, options.out / "benchmark.png")
+        write_table(median_rows(rows), [*SETTING_COLUMNS, "cases", *MEDIAN_COLUMNS], options.out / "medians.csv")
+    draw_speed(rows, median_rows(rows), ERROR_COLUMNS, options.out / "benchmark.png")
 
 
 if __name__ == "__main__":

@@ -3,8 +3,8 @@
 /usr/bin/python3 -m vci.benchmarks.coarse_walls results/cases/lad02 --out results/coarse_walls
 
 Each case is deployed as in the study and on the lumens of MESHES, which are its own lumen on other edges. The errors
-are against the first mesh of REFERENCES that reaches force balance. A coarse wall carries the points of the study's
-lumen (`coarse_lumen` of a scene), so that the areas are those of the surface that the flow is solved in.
+are against the first mesh of REFERENCE_MESHES that reaches force balance. A coarse wall carries the points of the
+study's lumen (`coarse_lumen` of a scene), so that the areas are those of the surface that the flow is solved in.
 `normal_rms_mm` is how far its points lie from the surface of the study's own deployment, along the normal. The runs
 follow one another on one core.
 """
@@ -22,24 +22,24 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
 from common.errors import ComputationError, guarded
-from vci.benchmarks.benchmark import areas_of, outcome_of, write_table
-from vci.benchmarks.programs import reason_of, run
+from vci.benchmarks.benchmark import run_outcome, section_areas, write_table
+from vci.benchmarks.programs import refusal_reason, run_program
 
-REFERENCES = ((0.25, 0.28), (0.3, 0.34), (0.35, 0.4))  # edges of wall and devices, mm
-STUDY = (None, None)
-MESHES = (STUDY, (0.6, 0.675), (0.8, 0.45), (0.8, 0.9), (1.0, 0.9), (1.0, 1.125))
+REFERENCE_MESHES = ((0.25, 0.28), (0.3, 0.34), (0.35, 0.4))  # edges of wall and devices, mm
+STUDY_MESH = (None, None)
+MESHES = (STUDY_MESH, (0.6, 0.675), (0.8, 0.45), (0.8, 0.9), (1.0, 0.9), (1.0, 1.125))
 MOVED_MM = 0.05  # points that move by less do not count, since most of a vessel does not move
-ERRORS = ("mean_csa_error_percent", "mla_error_percent")
-FOUND = ("wall_vertices", "steps", "cpu_seconds", "max_penetration_mm")
+ERROR_COLUMNS = ("mean_csa_error_percent", "mla_error_percent")
+RUN_COLUMNS = ("wall_vertices", "steps", "cpu_seconds", "max_penetration_mm")
 COLUMNS = (
     "case",
     "wall_edge_mm",
     "device_edge_mm",
     "outcome",
     "reason",
-    *FOUND,
+    *RUN_COLUMNS,
     "time_ratio",
-    *ERRORS,
+    *ERROR_COLUMNS,
     "normal_rms_mm",
     "normal_worst_mm",
 )
@@ -56,20 +56,20 @@ def normal_distances(before, one, other):
     normals.ConsistencyOff()
     normals.Update()
     normal = vtk_to_numpy(normals.GetOutput().GetPointData().GetNormals())
-    off = np.sum((first - second) * normal, axis=1)[np.linalg.norm(second - start, axis=1) > MOVED_MM]
-    return float(np.sqrt(np.mean(off**2))), float(np.abs(off).max())
+    distances = np.sum((first - second) * normal, axis=1)[np.linalg.norm(second - start, axis=1) > MOVED_MM]
+    return float(np.sqrt(np.mean(distances**2))), float(np.abs(distances).max())
 
 
-def remeshed(build, case, edge, folder):
+def remesh_lumen(build, case, edge, folder):
     """The case's lumen with edges of `edge` mm, and its centreline in the same folder. Raises ComputationError."""
     line = [build / "lumen", "process", case / "anatomy" / "lumen.vtp", "--edge", edge]
-    code, messages, _ = run([*line, "--like", case / "anatomy" / "anatomy.json", "--out", folder])
+    code, messages, _ = run_program([*line, "--like", case / "anatomy" / "anatomy.json", "--out", folder])
     if code:
-        raise ComputationError("a lumen was not remeshed", case, edge, reason_of(messages))
+        raise ComputationError("a lumen was not remeshed", case, edge, refusal_reason(messages))
     return folder / "lumen.vtp"
 
 
-def deployed(build, case, files, device, folder):
+def deploy_scene(build, case, files, device, folder):
     """Deploys the case's scene with other files (`lumen`, `coarse_lumen`, `centreline`).
 
     device: edge of the devices, mm; None: as it is. Returns the outcome, and the areas (mm2) along the segment.
@@ -81,68 +81,68 @@ def deployed(build, case, files, device, folder):
     if device is not None:
         scene["numerics"] = scene.get("numerics", {}) | {"device_edge_mm": device}
     (folder / "scene.json").write_text(json.dumps(scene), encoding="utf-8")
-    found = outcome_of(build / "vci", folder / "scene.json")
-    return found, areas_of(folder / "vci") if found["outcome"] == "balanced" else None
+    outcome = run_outcome(build / "vci", folder / "scene.json")
+    return outcome, section_areas(folder / "vci") if outcome["outcome"] == "balanced" else None
 
 
 def area_errors(areas, truth):
     """Errors (per cent) of mean and smallest area over the sections that have an area in both runs."""
-    both = np.isfinite(areas) & np.isfinite(truth)
-    areas, truth = areas[both], truth[both]
-    return dict(zip(ERRORS, (100 * (areas.mean() / truth.mean() - 1), 100 * (areas.min() / truth.min() - 1))))
+    known = np.isfinite(areas) & np.isfinite(truth)
+    areas, truth = areas[known], truth[known]
+    return dict(zip(ERROR_COLUMNS, (100 * (areas.mean() / truth.mean() - 1), 100 * (areas.min() / truth.min() - 1))))
 
 
-def rows(build, case, out):
+def case_rows(build, case, out):
     """The case's rows: references until one balances, the study's mesh, and the meshes that carry the study's lumen."""
-    own = {key: case / "anatomy" / f"{key}.vtp" for key in ("lumen", "centreline")}
-    coarse, reference, usual = {}, None, None
+    study_files = {key: case / "anatomy" / f"{key}.vtp" for key in ("lumen", "centreline")}
+    coarse, reference, study_row = {}, None, None
 
     def row_of(wall, device, carry):
         if wall is not None and wall not in coarse:
-            coarse[wall] = remeshed(build, case, wall, out / case.name / f"anatomy_{wall}")
-        files = own | {"coarse_lumen": coarse[wall]} if carry else own
+            coarse[wall] = remesh_lumen(build, case, wall, out / case.name / f"anatomy_{wall}")
+        files = study_files | {"coarse_lumen": coarse[wall]} if carry else study_files
         if wall is not None and not carry:
             files = {"lumen": coarse[wall], "centreline": coarse[wall].parent / "centreline.vtp"}
         folder = out / case.name / f"wall_{wall or 'study'}_device_{device or 'study'}"
-        found, areas = deployed(build, case, files, device, folder)
-        return {"case": case.name, "wall_edge_mm": wall, "device_edge_mm": device} | found, areas
+        outcome, areas = deploy_scene(build, case, files, device, folder)
+        return {"case": case.name, "wall_edge_mm": wall, "device_edge_mm": device} | outcome, areas
 
-    for wall, device in REFERENCES:
+    for wall, device in REFERENCE_MESHES:
         reference, truth = row_of(wall, device, carry=False)
         yield reference
         if reference["outcome"] == "balanced":
             break
     else:
-        raise ComputationError("no reference reaches force balance", case, REFERENCES, reference["reason"])
+        raise ComputationError("no reference reaches force balance", case, REFERENCE_MESHES, reference["reason"])
     for wall, device in MESHES:
         row, areas = row_of(wall, device, carry=wall is not None)
-        usual = usual or row
+        study_row = study_row or row
         if row["outcome"] == "balanced":
-            row["time_ratio"] = row["cpu_seconds"] / usual["cpu_seconds"]
+            row["time_ratio"] = row["cpu_seconds"] / study_row["cpu_seconds"]
             row |= area_errors(areas, truth)
-        if row["outcome"] == "balanced" and row is not usual:
+        if row["outcome"] == "balanced" and row is not study_row:
             folders = (f"wall_{wall}_device_{device or 'study'}", "wall_study_device_study")
-            places = [own["lumen"], *(out / case.name / name / "vci" / "lumen.vtp" for name in folders)]
-            distances = normal_distances(*(vtp.read_triangles(file, REMEDY) for file in places))
+            surface_files = [study_files["lumen"], *(out / case.name / name / "vci" / "lumen.vtp" for name in folders)]
+            distances = normal_distances(*(vtp.read_triangles(file, REMEDY) for file in surface_files))
             row |= dict(zip(("normal_rms_mm", "normal_worst_mm"), distances))
         yield row
 
 
-def summary(found):
+def summary_rows(rows):
     """One row for each mesh: over the cases that balanced, median and largest CPU seconds, and errors (per cent)."""
-    cases = len(dict.fromkeys(row["case"] for row in found))
-    judged = [row for row in found if ERRORS[0] in row]
-    for mesh in dict.fromkeys((row["wall_edge_mm"], row["device_edge_mm"]) for row in judged):
-        here = [row for row in judged if (row["wall_edge_mm"], row["device_edge_mm"]) == mesh]
-        seconds = [row["cpu_seconds"] for row in here]
+    cases = len(dict.fromkeys(row["case"] for row in rows))
+    rows_with_error = [row for row in rows if ERROR_COLUMNS[0] in row]
+    for mesh in dict.fromkeys((row["wall_edge_mm"], row["device_edge_mm"]) for row in rows_with_error):
+        mesh_rows = [row for row in rows_with_error if (row["wall_edge_mm"], row["device_edge_mm"]) == mesh]
+        seconds = [row["cpu_seconds"] for row in mesh_rows]
         yield {
             "wall_edge_mm": mesh[0] or "study",
             "device_edge_mm": mesh[1] or "study",
-            "balanced": f"{len(here)} of {cases}",
+            "balanced": f"{len(mesh_rows)} of {cases}",
             "median_cpu_seconds": statistics.median(seconds),
             "largest_cpu_seconds": max(seconds),
-            **{f"median_{key}": statistics.median(abs(row[key]) for row in here) for key in ERRORS},
-            **{f"largest_{key}": max((row[key] for row in here), key=abs) for key in ERRORS},
+            **{f"median_{key}": statistics.median(abs(row[key]) for row in mesh_rows) for key in ERROR_COLUMNS},
+            **{f"largest_{key}": max((row[key] for row in mesh_rows), key=abs) for key in ERROR_COLUMNS},
         }
 
 
@@ -154,14 +154,14 @@ def main(arguments=None):
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for coarse_walls.csv and the runs")
     options = parser.parse_args(arguments)
     options.out.mkdir(parents=True, exist_ok=True)
-    found = []
+    rows = []
     for case in options.cases:
-        for row in rows(options.build, case, options.out):
-            found.append({key: row[key] for key in COLUMNS if key in row})
-            write_table(found, COLUMNS, options.out / "coarse_walls.csv")
-            print(", ".join(f"{key} {value}" for key, value in found[-1].items()), file=sys.stderr)
-    means = list(summary(found))
-    write_table(means, list(means[0]), options.out / "summary.csv")
+        for row in case_rows(options.build, case, options.out):
+            rows.append({key: row[key] for key in COLUMNS if key in row})
+            write_table(rows, COLUMNS, options.out / "coarse_walls.csv")
+            print(", ".join(f"{key} {value}" for key, value in rows[-1].items()), file=sys.stderr)
+    mesh_summary = list(summary_rows(rows))
+    write_table(mesh_summary, list(mesh_summary[0]), options.out / "summary.csv")
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ import numpy as np
 from common import vtp
 
 
-def rings(path):
+def ring_vertices(path):
     """Vertices (rings, vertices round a ring, 3) in mm of a device's .vtp file.
 
     The device is an open tube, so its numbers of vertices and triangles give the number of vertices round a ring.
@@ -15,15 +15,15 @@ def rings(path):
     return points.reshape(-1, len(points) - len(vtp.triangles(poly)) // 2, 3)
 
 
-def diameters(path):
+def ring_diameters(path):
     """(places (n,), diameters (n,)) in mm of the n rings of a device's .vtp file.
 
     Places are measured along the device from its middle. A diameter is that of a circle through the vertices of a
     regular ring with the same perimeter.
     """
-    rows = rings(path)
-    centres = rows.mean(axis=1)
+    rings = ring_vertices(path)
+    centres = rings.mean(axis=1)
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(centres, axis=0), axis=1))])
-    chords = np.linalg.norm(rows - np.roll(rows, -1, axis=1), axis=2).sum(axis=1)
-    half_angle = np.pi / rows.shape[1]
+    chords = np.linalg.norm(rings - np.roll(rings, -1, axis=1), axis=2).sum(axis=1)
+    half_angle = np.pi / rings.shape[1]
     return along - 0.5 * along[-1], chords / np.pi * half_angle / np.sin(half_angle)

@@ -16,17 +16,17 @@ import sys
 
 from common.errors import InputError, guarded
 from common.files import write_json
-from vci.benchmarks.programs import reason_of, run
+from vci.benchmarks.programs import refusal_reason, run_program
 from vci.benchmarks.scenes import Tube, write_scene
-from vci.benchmarks.shipped import culotte
+from vci.benchmarks.shipped import culotte_scene
 
 COLUMNS = "case,outcome,reason,residual,mean_penetration_mm,worst_penetration_mm,within_limits"
 COLUMNS += ",steps,cpu_seconds,minimal_area_mm2"
 
 
-def calcium(times):
-    """Wall settings with calcium `times` as stiff as the healthy wall (0.8 MPa)."""
-    return {"plaque": {"calcified": {"youngs_modulus_mpa": 0.8 * times}}}
+def calcium_wall(stiffness_ratio):
+    """Wall settings with calcium `stiffness_ratio` times as stiff as the healthy wall (0.8 MPa)."""
+    return {"plaque": {"calcified": {"youngs_modulus_mpa": 0.8 * stiffness_ratio}}}
 
 
 MEAN_LIMIT_MM = 0.05 * 0.0125  # largest mean penetration of a good run: a twentieth of contact_distance_mm
@@ -36,13 +36,13 @@ ECCENTRIC = {"eccentricity": 0.8, "calcium_deg": 90}
 CASES = {
     "ordinary": (Tube(), {}),
     "stenosis 90 %": (Tube(stenosis=0.9), {}),
-    "calcium x1000, eccentric, 0.5 mm": (Tube(**ECCENTRIC), {"wall": calcium(1000)}),
-    "calcium x1000, eccentric, 0.25 mm": (Tube(edge=0.25, **ECCENTRIC), {"wall": calcium(1000)}),
-    "calcium x1000, concentric, 0.5 mm": (Tube(calcium_deg=360), {"wall": calcium(1000)}),
-    "calcium x1000, concentric, 0.25 mm": (Tube(edge=0.25, calcium_deg=360), {"wall": calcium(1000)}),
-    "90 %, eccentric, calcium x1000": (Tube(stenosis=0.9, **ECCENTRIC), {"wall": calcium(1000)}),
-    "90 %, eccentric, calcium x1000, 0.4 mm": (Tube(stenosis=0.9, edge=0.4, **ECCENTRIC), {"wall": calcium(1000)}),
-    "80 %, eccentric, calcium x30": (Tube(stenosis=0.8, **ECCENTRIC), {"wall": calcium(30)}),
+    "calcium x1000, eccentric, 0.5 mm": (Tube(**ECCENTRIC), {"wall": calcium_wall(1000)}),
+    "calcium x1000, eccentric, 0.25 mm": (Tube(edge=0.25, **ECCENTRIC), {"wall": calcium_wall(1000)}),
+    "calcium x1000, concentric, 0.5 mm": (Tube(calcium_deg=360), {"wall": calcium_wall(1000)}),
+    "calcium x1000, concentric, 0.25 mm": (Tube(edge=0.25, calcium_deg=360), {"wall": calcium_wall(1000)}),
+    "90 %, eccentric, calcium x1000": (Tube(stenosis=0.9, **ECCENTRIC), {"wall": calcium_wall(1000)}),
+    "90 %, eccentric, calcium x1000, 0.4 mm": (Tube(stenosis=0.9, edge=0.4, **ECCENTRIC), {"wall": calcium_wall(1000)}),
+    "80 %, eccentric, calcium x30": (Tube(stenosis=0.8, **ECCENTRIC), {"wall": calcium_wall(30)}),
     "oversizing 1.4": (Tube(), {"size": 1.4}),
     "curvature 0.3 /mm": (Tube(curvature=0.3), {}),
     "mesh jittered by 25 %": (Tube(jitter=0.25), {}),
@@ -60,48 +60,50 @@ CASES = {
 # Number of steps that are run of the shipped bifurcation's procedure; None for all. The first two steps place a stent
 # across the side branch and dilate it in the main branch (proximal optimisation). Further steps place a second stent
 # through the first one's side, and inflate kissing balloons.
-BENCH = {"stent across a side branch": 2, "culotte": None}
-BENCH_EDGE_MM = 0.4  # edge length of the bifurcation's lumen
-NAMES = (*CASES, *BENCH)
+BIFURCATION_STEPS = {"stent across a side branch": 2, "culotte": None}
+BIFURCATION_EDGE_MM = 0.4  # edge length of the bifurcation's lumen
+CASE_NAMES = (*CASES, *BIFURCATION_STEPS)
 
 
 def result_row(case, program, scene):
     """Runs a scene and returns its row."""
-    code, messages, cpu = run([program, "deploy", scene, "--out", scene.parent / "out"])
+    code, messages, cpu = run_program([program, "deploy", scene, "--out", scene.parent / "out"])
     row = {"case": case, "cpu_seconds": round(cpu, 2)}
     if code:
-        kind = {2: "input refused", 3: "refused"}.get(code, f"failed with exit code {code}")
-        return row | {"outcome": kind, "reason": reason_of(messages)}
+        outcome = {2: "input refused", 3: "refused"}.get(code, f"failed with exit code {code}")
+        return row | {"outcome": outcome, "reason": refusal_reason(messages)}
     result = json.loads((scene.parent / "out" / "deployment.json").read_text())
     stages = result["stages"]
     mean, worst = (max(s[key] for s in stages) for key in ("mean_penetration_mm", "max_penetration_mm"))
-    broken = [name for name, limit in (("mean", mean > MEAN_LIMIT_MM), ("worst", worst > WORST_LIMIT_MM)) if limit]
+    exceeded = [name for name, limit in (("mean", mean > MEAN_LIMIT_MM), ("worst", worst > WORST_LIMIT_MM)) if limit]
     return row | {
         "outcome": "balanced",
         "residual": max(s["residual"] for s in stages),
         "mean_penetration_mm": mean,
         "worst_penetration_mm": worst,
-        "within_limits": "no: " + ", ".join(broken) if broken else "yes",
+        "within_limits": "no: " + ", ".join(exceeded) if exceeded else "yes",
         "steps": sum(s["steps"] for s in stages),
         "minimal_area_mm2": result["minimal_lumen_area_mm2"],
     }
 
 
-def scenes_of(options):
+def selected_scenes(options):
     """Yields (name, path of the scene file) of the cases to run: the generated ones, then the user's own scenes."""
-    unknown = set(options.only or []) - set(NAMES)
+    unknown = set(options.only or []) - set(CASE_NAMES)
     if unknown:
-        raise InputError("no such hard case", "--only", ", ".join(sorted(unknown)), "use " + "; ".join(NAMES))
-    for name in options.only or NAMES:
+        raise InputError("no such hard case", "--only", ", ".join(sorted(unknown)), "use " + "; ".join(CASE_NAMES))
+    for name in options.only or CASE_NAMES:
         folder = options.out / "".join(c if c.isalnum() else "_" for c in name)
         numerics = {"maximal_steps_per_stage": MAXIMAL_STEPS}
-        if name in BENCH:
-            scene = culotte(options.build, BENCH_EDGE_MM, folder, BENCH[name])
+        if name in BIFURCATION_STEPS:
+            scene = culotte_scene(options.build, BIFURCATION_EDGE_MM, folder, BIFURCATION_STEPS[name])
             write_json(folder / "scene.json", scene | {"numerics": numerics})
             yield name, folder / "scene.json"
         else:
-            tube, how = CASES[name]
-            yield name, write_scene(folder, tube, **(how | {"numerics": numerics | how.get("numerics", {})}))
+            tube, scene_options = CASES[name]
+            yield name, write_scene(
+                folder, tube, **(scene_options | {"numerics": numerics | scene_options.get("numerics", {})})
+            )
     for scene in options.scenes:
         yield str(scene), scene
 
@@ -119,7 +121,7 @@ def main(arguments=None):
     with (options.out / "hard_cases.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS.split(","))
         writer.writeheader()
-        for name, scene in scenes_of(options):
+        for name, scene in selected_scenes(options):
             row = result_row(name, options.build / "vci", scene)
             writer.writerow(row)
             file.flush()

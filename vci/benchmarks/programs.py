@@ -5,13 +5,13 @@ import resource
 import subprocess
 
 
-def run(command, budget=None):
+def run_program(command, budget=None):
     """(exit code, text of standard error, CPU seconds) of a program.
 
     The program is ended once it has used `budget` CPU seconds. Its exit code is then negative.
     """
 
-    def limit():
+    def limit_cpu_time():
         resource.setrlimit(resource.RLIMIT_CPU, (budget, budget + 5))
 
     process = subprocess.Popen(
@@ -19,7 +19,7 @@ def run(command, budget=None):
         stderr=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         text=True,
-        preexec_fn=limit if budget else None,
+        preexec_fn=limit_cpu_time if budget else None,
     )
     messages = process.stderr.read()
     _, status, usage = os.wait4(process.pid, 0)
@@ -27,7 +27,7 @@ def run(command, budget=None):
     return process.returncode, messages, usage.ru_utime + usage.ru_stime
 
 
-def reason_of(messages):
+def refusal_reason(messages):
     """The last error message in the text of standard error, in one line and without its remedy."""
     lines = [line.strip() for line in messages.strip().splitlines()]
     start = max((k for k, line in enumerate(lines) if line.startswith("where:")), default=len(lines))

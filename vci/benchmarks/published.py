@@ -17,8 +17,8 @@ from common.documents.config import load_devices
 from common.errors import guarded
 from common.files import replacing
 from vci.benchmarks import bench_cases, scenes
-from vci.benchmarks.device_shapes import diameters
-from vci.benchmarks.programs import run
+from vci.benchmarks.device_shapes import ring_diameters
+from vci.benchmarks.programs import run_program
 
 AZIZ = "Aziz 2007, Heart 93:1562 (499 lesions)"
 FUJINO = "Fujino 2018, doi 10.4244/EIJ-D-17-00962 (OCT, 261 patients)"
@@ -29,7 +29,7 @@ COLUMNS = ["bench", "quantity", "unit", "published", "engine", "truth", "n", "re
 VESSEL_MM = 3.0  # healthy diameter of the calcified vessels
 ARCS_DEG, LENGTHS_MM = (90, 180, 270), (5, 10)  # of the calcium
 ATMOSPHERES = (10, 20, 30)  # balloon pressures; one atmosphere is taken as one bar
-NO_TRUTH = "the truth's slices have no axial coupling"
+NO_TRUTH_REMARK = "the truth's slices have no axial coupling"
 
 
 def catalogue_entry(families, family, diameter, length):
@@ -37,23 +37,23 @@ def catalogue_entry(families, family, diameter, length):
 
     A stent's entry names its delivery balloon "delivery", which the caller must add.
     """
-    found = dict(families[family])
+    entry = dict(families[family])
     for key in ("description", "source", "diameters_mm", "lengths_mm", "designs", "delivery_balloon"):
-        found.pop(key, None)
-    if found["kind"] == "balloon":
-        percent = found["chart"]["diameter_percent"]
-        found["chart"] = {
-            "pressure_bar": found["chart"]["pressure_bar"],
+        entry.pop(key, None)
+    if entry["kind"] == "balloon":
+        percent = entry["chart"]["diameter_percent"]
+        entry["chart"] = {
+            "pressure_bar": entry["chart"]["pressure_bar"],
             "diameter_mm": [diameter * p / 100 for p in percent],
         }
     else:
         design = next(d for d in families[family]["designs"] if diameter <= d["up_to_diameter_mm"])
-        found |= {key: design[key] for key in ("maximal_diameter_mm", "crowns", "links")}
-        found["balloon"] = "delivery"
-    return found | {"nominal_diameter_mm": diameter, "length_mm": length}
+        entry |= {key: design[key] for key in ("maximal_diameter_mm", "crowns", "links")}
+        entry["balloon"] = "delivery"
+    return entry | {"nominal_diameter_mm": diameter, "length_mm": length}
 
 
-def stent_alone(folder, build, families, tube, pressure_bar, wall=None):
+def stent_diameters(folder, build, families, tube, pressure_bar, wall=None):
     """(places (n,), diameters (n,)) in mm along a stent that its balloon holds open in a tube.
 
     The stent is the catalogue's, 3.0 mm wide and 18 mm long. The run may be refused at its end, because a free stent
@@ -69,15 +69,17 @@ def stent_alone(folder, build, families, tube, pressure_bar, wall=None):
     scene["procedure"][0]["devices"][0]["pressure_bar"] = pressure_bar
     path.write_text(json.dumps(scene))
     frames = folder / "frames"
-    run([build / "vci", "deploy", path, "--out", folder / "out", "--frames", frames])
-    return diameters(frames / "frame_device1_0001.vtp")  # the state at the end of the second of three stages
+    run_program([build / "vci", "deploy", path, "--out", folder / "out", "--frames", frames])
+    return ring_diameters(frames / "frame_device1_0001.vtp")  # the state at the end of the second of three stages
 
 
 def free_expansion(folder, build, families):
     """Yields rows for a stent that opens without touching a wall: its diameters in the middle and at its ends."""
     for bar in (2, 3, 4, 5, 8, 11, 16):
-        _, found = stent_alone(folder / f"free_{bar}", build, families, scenes.Tube(30.0, 2.5, 0.0, edge=0.8), bar)
-        middle, end = found[len(found) // 2], 0.5 * (found[0] + found[-1])
+        _, diameters_mm = stent_diameters(
+            folder / f"free_{bar}", build, families, scenes.Tube(30.0, 2.5, 0.0, edge=0.8), bar
+        )
+        middle, end = diameters_mm[len(diameters_mm) // 2], 0.5 * (diameters_mm[0] + diameters_mm[-1])
         yield {
             "bench": "free expansion",
             "quantity": f"3.0 mm stent at {bar} bar: middle, ends, dog-bone",
@@ -85,7 +87,7 @@ def free_expansion(folder, build, families):
             "published": "curves, not recorded here as numbers",
             "engine": f"{middle:.2f}, {end:.2f}, {100 * (end - middle) / end:.0f}",
             "source": WIESENT,
-            "remark": NO_TRUTH,
+            "remark": NO_TRUTH_REMARK,
         }
 
 
@@ -94,19 +96,19 @@ def steel_ring(folder, build, families):
     rigid = {"plaque": {"calcified": {"youngs_modulus_mpa": 1e5, "yield_strain": None}}}
     tube = scenes.Tube(30.0, 2.2, 1 - 1.2 / 4.4, lesion_length=4.0, calcium_deg=360)
     delivery = families["des_balloon"]
-    for pressure, words, published in (
+    for pressure, label, published in (
         (delivery["nominal_pressure_bar"], "nominal", "2.92 to 3.56"),
         (delivery["rated_burst_pressure_bar"], "rated burst", "3.39 to 3.98"),
     ):
-        _, found = stent_alone(folder / f"ring_{words.split()[0]}", build, families, tube, pressure, rigid)
+        _, diameters_mm = stent_diameters(folder / f"ring_{label.split()[0]}", build, families, tube, pressure, rigid)
         yield {
             "bench": "steel ring of 1.20 mm",
-            "quantity": f"largest diameter at {words} pressure ({pressure} bar)",
+            "quantity": f"largest diameter at {label} pressure ({pressure} bar)",
             "unit": "mm",
             "published": published,
-            "engine": f"{found.max():.2f}",
+            "engine": f"{diameters_mm.max():.2f}",
             "source": SCHMIDT,
-            "remark": f"{found.min():.2f} mm within the ring; {NO_TRUTH}",
+            "remark": f"{diameters_mm.min():.2f} mm within the ring; {NO_TRUTH_REMARK}",
         }
 
 
@@ -115,11 +117,14 @@ def drawn_cohort(folder, build, count, seed):
 
     count: number of patients. seed: of the random numbers by which they are drawn.
     """
-    run([bench_cases.PYTHON, "-m", "data_synthetic", "draw", "--count", count, "--seed", seed, "--out", folder])
-    outcomes = [bench_cases.treat(path, folder / path.stem, build) for path in sorted(folder.glob("patient*.yaml"))]
-    values = [bench_cases.after_stenting(outcome) for outcome in outcomes if outcome.engine]
+    run_program([bench_cases.PYTHON, "-m", "data_synthetic", "draw", "--count", count, "--seed", seed, "--out", folder])
+    outcomes = [
+        bench_cases.run_engine_and_truth(path, folder / path.stem, build)
+        for path in sorted(folder.glob("patient*.yaml"))
+    ]
+    values = [bench_cases.stenting_figures(outcome) for outcome in outcomes if outcome.engine]
     refused = len(outcomes) - len(values)
-    for key, words, unit, published, source in (
+    for key, label, unit, published, source in (
         ("below_chart_percent", "smallest diameter left below the largest balloon's chart", "%", "27.2 (7.2)", AZIZ),
         (
             "short_of_chart_mm",
@@ -137,7 +142,7 @@ def drawn_cohort(folder, build, count, seed):
             "ILUMIEN II, Maehara 2015 (OCT)",
         ),
     ):
-        row = {"bench": "drawn cohort", "quantity": words, "unit": unit, "published": published, "source": source}
+        row = {"bench": "drawn cohort", "quantity": label, "unit": unit, "published": published, "source": source}
         for model in ("engine", "truth"):
             row[model] = mean_sd([value[model][key] for value in values])
         yield row | {"n": len(values), "remark": f"{refused} of {len(outcomes)} refused; mean (SD)"}
@@ -151,7 +156,7 @@ def mean_sd(values):
 def calcified_case(path, arc_deg, length_mm, steps):
     """Writes a case file and returns its path: a vessel of 3 mm with a stenosis of 65 % and calcium in its plaque.
 
-    arc_deg, length_mm: of the calcium. steps: the case's plan, as step() makes its entries.
+    arc_deg, length_mm: of the calcium. steps: the case's plan, as plan_step() makes its entries.
     """
     lesion = {"centre_s_mm": 20, "length_mm": 14, "diameter_stenosis_percent": 65, "plaque": "fibrous"}
     lesion["calcium"] = {"arc_deg": arc_deg, "length_mm": length_mm}
@@ -164,70 +169,78 @@ def calcified_case(path, arc_deg, length_mm, steps):
     return path
 
 
-def step(action, device, diameter, length, bar):
+def plan_step(action, device, diameter, length, bar):
     """A step of a case's plan, with one device in the middle of the lesion. Lengths in mm."""
     place = {"branch": "main", "centre_s_mm": 20, "pressure_bar": bar}
     return {"action": action, "devices": [{"device": device, "diameter_mm": diameter, "length_mm": length, **place}]}
 
 
-STENTING = [
-    step("predilatation", "semi_compliant", 2.5, 15, 12),
-    step("stent", "des", 3.0, 18, 11),
-    step("postdilatation", "non_compliant", 3.0, 15, 16),
+STENTING_PLAN = [
+    plan_step("predilatation", "semi_compliant", 2.5, 15, 12),
+    plan_step("stent", "des", 3.0, 18, 11),
+    plan_step("postdilatation", "non_compliant", 3.0, 15, 16),
 ]
 
 
 def calcium_slopes(folder, build):
     """Yields rows for the change of a stent's expansion with the calcium's arc and length, by linear regression."""
-    places, found = [], {"engine": [], "truth": []}
+    regressors, expansions = [], {"engine": [], "truth": []}
     for arc in ARCS_DEG:
         for length in LENGTHS_MM:
-            path = calcified_case(folder / f"calcium_{arc}_{length}.yaml", arc, length, STENTING)
-            outcome = bench_cases.treat(path, folder / path.stem, build)
+            path = calcified_case(folder / f"calcium_{arc}_{length}.yaml", arc, length, STENTING_PLAN)
+            outcome = bench_cases.run_engine_and_truth(path, folder / path.stem, build)
             if outcome.engine:
-                places.append([1.0, arc / 180, length / 5])
-                for model, values in bench_cases.after_stenting(outcome).items():
-                    found[model].append(values["expansion_percent"])
+                regressors.append([1.0, arc / 180, length / 5])
+                for model, values in bench_cases.stenting_figures(outcome).items():
+                    expansions[model].append(values["expansion_percent"])
     slopes = {
-        model: np.linalg.lstsq(np.array(places), np.array(values), rcond=None)[0] for model, values in found.items()
+        model: np.linalg.lstsq(np.array(regressors), np.array(values), rcond=None)[0]
+        for model, values in expansions.items()
     }
-    everywhere = len(ARCS_DEG) * len(LENGTHS_MM)
-    shared = {"bench": "calcium and expansion", "unit": "%", "source": FUJINO, "n": len(places)}
-    shared["remark"] = f"{everywhere - len(places)} of {everywhere} refused; 65 % narrowing in 3.0 mm, 11 and 16 bar"
-    for k, words, published in ((1, "180 degrees of arc", "-7.43"), (2, "5 mm of length", "-2.32")):
+    case_count = len(ARCS_DEG) * len(LENGTHS_MM)
+    base_row = {"bench": "calcium and expansion", "unit": "%", "source": FUJINO, "n": len(regressors)}
+    base_row[
+        "remark"
+    ] = f"{case_count - len(regressors)} of {case_count} refused; 65 % narrowing in 3.0 mm, 11 and 16 bar"
+    for k, label, published in ((1, "180 degrees of arc", "-7.43"), (2, "5 mm of length", "-2.32")):
         row = {model: f"{slopes[model][k]:+.2f}" for model in slopes}
-        yield {**shared, "quantity": f"change of expansion by {words}", "published": published, **row}
+        yield {**base_row, "quantity": f"change of expansion by {label}", "published": published, **row}
     remark = "not computed: a drawn sheet of calcium is half as thick as its plaque, so it cannot change alone"
-    yield {**shared, "quantity": "change of expansion by 0.5 mm of thickness", "published": "-3.40", "remark": remark}
-    for model in found:
-        shared[model] = f"{min(found[model]):.0f} to {max(found[model]):.0f}"
-    yield {**shared, "quantity": "expansion", "published": "78 (worst score) to 96"}
+    yield {
+        **base_row,
+        "quantity": "change of expansion by 0.5 mm of thickness",
+        "published": "-3.40",
+        "remark": remark,
+    }
+    for model in expansions:
+        base_row[model] = f"{min(expansions[model]):.0f} to {max(expansions[model]):.0f}"
+    yield {**base_row, "quantity": "expansion", "published": "78 (worst score) to 96"}
 
 
-def pressures(folder, build):
+def inflated_areas(folder, build):
     """Yields rows for the smallest lumen area round an inflated non-compliant balloon at 10, 20 and 30 atm.
 
     The balloon's nominal diameter is the vessel's healthy diameter.
     """
 
-    def longer_chart(plan):
+    def extend_chart(plan):
         for device in plan["devices"].values():
             chart = device["chart"]
             bar, mm = chart["pressure_bar"], chart["diameter_mm"]
             chart["diameter_mm"] = mm + [mm[-1] + (mm[-1] - mm[-2]) / (bar[-1] - bar[-2]) * (32 - bar[-1])]
             chart["pressure_bar"] = bar + [32]
-        plan["procedure"][0]["devices"][0]["pressure_bar"] = bar_now
+        plan["procedure"][0]["devices"][0]["pressure_bar"] = pressure_bar
 
-    for words, arc, length in (("little", 90, 5), ("much", 270, 10)):
-        for bar_now in ATMOSPHERES:
+    for label, arc, length in (("little", 90, 5), ("much", 270, 10)):
+        for pressure_bar in ATMOSPHERES:
             # A case file may not exceed the rated burst pressure. So the pressure is raised in the plan.
-            steps = [step("predilatation", "non_compliant", VESSEL_MM, 15, 10)]
-            path = calcified_case(folder / f"balloon_{words}_{bar_now}.yaml", arc, length, steps)
-            outcome = bench_cases.treat(path, folder / path.stem, build, longer_chart)
-            published = {("little", 10): "80 or more", ("much", 30): "80 or more"}.get((words, bar_now), "")
-            row = {"bench": f"balloon in {words} calcium", "unit": "%", "published": published, "source": EX_VIVO}
-            row |= {"quantity": f"smallest inflated over healthy area at {bar_now} atm", "n": 1}
-            row["remark"] = outcome.refused or f"{arc} degrees, {length} mm long, 65 % narrowing"
+            steps = [plan_step("predilatation", "non_compliant", VESSEL_MM, 15, 10)]
+            path = calcified_case(folder / f"balloon_{label}_{pressure_bar}.yaml", arc, length, steps)
+            outcome = bench_cases.run_engine_and_truth(path, folder / path.stem, build, extend_chart)
+            published = {("little", 10): "80 or more", ("much", 30): "80 or more"}.get((label, pressure_bar), "")
+            row = {"bench": f"balloon in {label} calcium", "unit": "%", "published": published, "source": EX_VIVO}
+            row |= {"quantity": f"smallest inflated over healthy area at {pressure_bar} atm", "n": 1}
+            row["remark"] = outcome.refusal or f"{arc} degrees, {length} mm long, 65 % narrowing"
             if outcome.engine:
                 row |= {
                     model: f"{value:.0f}" for model, value in bench_cases.inflated_expansion(outcome, VESSEL_MM).items()
@@ -235,7 +248,7 @@ def pressures(folder, build):
             yield row
 
 
-def write(path, rows):
+def write_rows(path, rows):
     with replacing(path) as partial, partial.open("w", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, restval="", lineterminator="\n")
         writer.writeheader()
@@ -259,9 +272,9 @@ def main(arguments=None):
             *free_expansion(scratch, options.build, families),
             *drawn_cohort(scratch / "drawn", options.build, options.drawn, options.seed),
             *calcium_slopes(scratch, options.build),
-            *pressures(scratch, options.build),
+            *inflated_areas(scratch, options.build),
         ]
-    write(options.out / "published.csv", rows)
+    write_rows(options.out / "published.csv", rows)
 
 
 if __name__ == "__main__":

@@ -65,7 +65,7 @@ class Tube:
 
         Lengths are in mm. Triangles are indices of points.
         """
-        rows, around = self._rows(), round(2 * np.pi * self.radius / self.edge)
+        rows, around = self._ring_arc_lengths(), round(2 * np.pi * self.radius / self.edge)
         r, k = np.divmod(np.arange(len(rows) * around), around)
         s, angle = rows[r], 2 * np.pi * (k + 0.5 * (r % 2)) / around
         if self.jitter:
@@ -75,17 +75,17 @@ class Tube:
             angle = angle + inside * shift[1] * 2 * np.pi / around
         radius = self.lumen_radius(s)
         _, first, second = self.frames(s)
-        round_axis = np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second
-        points = self.centre(s) + radius[:, None] * round_axis
+        radial = np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second
+        points = self.centre(s) + radius[:, None] * radial
         # The lumen is shifted along the first normal, so the thickest plaque is on the opposite side.
-        lean = self.eccentricity * (self.radius - radius)
-        distance = np.hypot(lean + radius * np.cos(angle), radius * np.sin(angle))
+        axis_shift = self.eccentricity * (self.radius - radius)
+        distance = np.hypot(axis_shift + radius * np.cos(angle), radius * np.sin(angle))
         plaque = np.maximum(self.radius - distance, 0.0)
-        away = np.abs(np.degrees(np.arctan2(np.sin(angle), -np.cos(angle))))
-        kind = np.where(plaque > 0.05, np.where(away < self.calcium_deg / 2, CALCIUM, PLAQUE), 0)
+        degrees_from_thickest = np.abs(np.degrees(np.arctan2(np.sin(angle), -np.cos(angle))))
+        kind = np.where(plaque > 0.05, np.where(degrees_from_thickest < self.calcium_deg / 2, CALCIUM, PLAQUE), 0)
         return points, self._triangles(len(rows), around), radius, plaque, kind
 
-    def _rows(self):
+    def _ring_arc_lengths(self):
         """Arc lengths (mm) of the rings of vertices, which are closer where the lumen is narrow."""
         rows = [0.0]
         while rows[-1] < self.length:
@@ -107,13 +107,13 @@ class Tube:
 
 def polydata(points, cells, lines=False):
     """vtkPolyData of points (n, 3). `cells` are lists of their indices: triangles, or polylines if `lines` is true."""
-    data, places, array = vtk.vtkPolyData(), vtk.vtkPoints(), vtk.vtkCellArray()
-    places.SetDataTypeToDouble()
-    places.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))
+    data, vtk_points, vtk_cells = vtk.vtkPolyData(), vtk.vtkPoints(), vtk.vtkCellArray()
+    vtk_points.SetDataTypeToDouble()
+    vtk_points.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))
     for cell in cells:
-        array.InsertNextCell(len(cell), [int(i) for i in cell])
-    data.SetPoints(places)
-    (data.SetLines if lines else data.SetPolys)(array)
+        vtk_cells.InsertNextCell(len(cell), [int(i) for i in cell])
+    data.SetPoints(vtk_points)
+    (data.SetLines if lines else data.SetPolys)(vtk_cells)
     return data
 
 

@@ -15,44 +15,51 @@ import sys
 
 from common.documents import schema
 from common.errors import ComputationError, guarded
-from vci.benchmarks.benchmark import generated, outcome_of
+from vci.benchmarks.benchmark import generated_scene, run_outcome
 
 EDGE_MM = 0.6  # edge length of the lumen's triangles
 CASES = ("straight", "curved 0.12 per mm", "eccentric")
-VARIED = {"contact_distance_mm": (0.00625, 0.0125, 0.025), "region_margin_mm": (1.0, 3.0, 6.0, 12.0)}
-AREAS = ("mean_csa", "mla")
+VARIED_SETTINGS = {"contact_distance_mm": (0.00625, 0.0125, 0.025), "region_margin_mm": (1.0, 3.0, 6.0, 12.0)}
+AREA_NAMES = ("mean_csa", "mla")
 COLUMNS = ("setting", "value", "case", "mean_csa_mm2", "mla_mm2", "mean_csa_change_percent", "mla_change_percent")
 COLUMNS += ("steps", "cpu_seconds")
 
 
-def run(program, case, numerics, folder):
-    """Runs the scene `case` with the settings `numerics`, and returns its outcome as benchmark.outcome_of() does.
+def run_scene(program, case, numerics, folder):
+    """Runs the scene `case` with the settings `numerics`, and returns its outcome as benchmark.run_outcome() does.
 
     Raises ComputationError if the scene is refused.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    scene = generated(case, EDGE_MM, folder)
+    scene = generated_scene(case, EDGE_MM, folder)
     scene["numerics"] = scene["numerics"] | numerics
     (folder / "scene.json").write_text(json.dumps(scene))
-    found = outcome_of(program, folder / "scene.json")
-    if found["outcome"] != "balanced":
-        raise ComputationError("a scene of the sensitivity did not balance", case, numerics, found["reason"])
-    return found
+    outcome = run_outcome(program, folder / "scene.json")
+    if outcome["outcome"] != "balanced":
+        raise ComputationError("a scene of the sensitivity did not balance", case, numerics, outcome["reason"])
+    return outcome
 
 
-def rows(program, out):
+def sensitivity_rows(program, out):
     """Yields the rows of sensitivity.csv, scene by scene. program: path of vci. out: folder for the scenes."""
     numerics = schema.read("deployment")["properties"]["numerics"]["properties"]
     for case in CASES:
         name = "".join(c if c.isalnum() else "_" for c in case)
-        usual = run(program, case, {}, out / name / "default")
-        for setting, values in VARIED.items():
+        default_outcome = run_scene(program, case, {}, out / name / "default")
+        for setting, values in VARIED_SETTINGS.items():
             for value in values:
-                chosen = value == numerics[setting]["default"]
-                found = usual if chosen else run(program, case, {setting: value}, out / name / f"{setting}_{value}")
+                is_default = value == numerics[setting]["default"]
+                outcome = (
+                    default_outcome
+                    if is_default
+                    else run_scene(program, case, {setting: value}, out / name / f"{setting}_{value}")
+                )
                 yield {"setting": setting, "value": value, "case": case} | {
-                    key: found[key] for key in ("mean_csa_mm2", "mla_mm2", "steps", "cpu_seconds")
-                } | {f"{key}_change_percent": 100 * (found[f"{key}_mm2"] / usual[f"{key}_mm2"] - 1) for key in AREAS}
+                    key: outcome[key] for key in ("mean_csa_mm2", "mla_mm2", "steps", "cpu_seconds")
+                } | {
+                    f"{key}_change_percent": 100 * (outcome[f"{key}_mm2"] / default_outcome[f"{key}_mm2"] - 1)
+                    for key in AREA_NAMES
+                }
 
 
 @guarded
@@ -65,7 +72,7 @@ def main(arguments=None):
     with (options.out / "sensitivity.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()
-        for row in rows(options.build / "vci", options.out):
+        for row in sensitivity_rows(options.build / "vci", options.out):
             writer.writerow(row)
             file.flush()
             print(", ".join(f"{key} {value}" for key, value in row.items()), file=sys.stderr)

@@ -15,27 +15,27 @@ def pareto(points):
     return front
 
 
-def draw_speed(rows, medians, errors, path):
+def draw_speed(rows, median_rows, errors, path):
     """Draws errors of the mean and the minimal area against CPU seconds, and the cost of a step per wall vertex.
 
-    rows, medians: of benchmark.csv and of medians.csv, whose Pareto front is drawn. errors: columns of both errors.
+    rows, median_rows: of benchmark.csv and of medians.csv, whose Pareto front is drawn. errors: columns of both errors.
     path: of the picture.
     """
-    figure, (*both, cost) = pyplot.subplots(1, 3, figsize=(16, 4))
-    for axes, key, what in zip(both, errors, ("mean", "minimal")):
+    figure, (*error_axes, cost) = pyplot.subplots(1, 3, figsize=(16, 4))
+    for axes, key, area_name in zip(error_axes, errors, ("mean", "minimal")):
         for case in dict.fromkeys(r["case"] for r in rows):
             points = [r for r in rows if r["case"] == case and r.get(key)]
             axes.loglog([r["cpu_seconds"] for r in points], [abs(r[key]) for r in points], "o", label=case)
-        front = pareto([(r["cpu_seconds"], r[key]) for r in medians if r[key]])
+        front = pareto([(r["cpu_seconds"], r[key]) for r in median_rows if r[key]])
         if front:
             axes.loglog(*zip(*front), "k-", label="front of the medians")
-        axes.set(xlabel="CPU seconds, one core", ylabel=f"error of the {what} area in the stent, %")
-    both[1].legend(
+        axes.set(xlabel="CPU seconds, one core", ylabel=f"error of the {area_name} area in the stent, %")
+    error_axes[1].legend(
         loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=3, fontsize=8
     )  # below the axes, where it hides no points
     key = "microseconds_per_vertex_step"
-    known = [r for r in rows if key in r]
-    cost.semilogx([r["wall_vertices"] for r in known], [r[key] for r in known], "o")
+    timed_rows = [r for r in rows if key in r]
+    cost.semilogx([r["wall_vertices"] for r in timed_rows], [r[key] for r in timed_rows], "o")
     cost.set(xlabel="vertices of the wall", ylabel="microseconds per vertex and step", ylim=(0, None))
     figure.savefig(path, dpi=150, bbox_inches="tight")
 
@@ -46,17 +46,17 @@ def draw_fronts(rows, schemes, key, path):
     rows: of baseline.csv. key: column of the error. path: of the picture.
     """
     cases = list(dict.fromkeys(r["case"] for r in rows))
-    figure, every = pyplot.subplots(1, len(cases), figsize=(5 * len(cases), 4), sharey=True, squeeze=False)
-    known = {}
-    for axes, case in zip(every[0], cases):
+    figure, axes_grid = pyplot.subplots(1, len(cases), figsize=(5 * len(cases), 4), sharey=True, squeeze=False)
+    legend_lines = {}
+    for axes, case in zip(axes_grid[0], cases):
         for k, scheme in enumerate(schemes):
             points = [
                 (r["cpu_seconds"], abs(r[key])) for r in rows if (r["case"], r["scheme"]) == (case, scheme) and key in r
             ]
             if points:
-                (known[scheme],) = axes.loglog(*zip(*points), "o", color=f"C{k}")
+                (legend_lines[scheme],) = axes.loglog(*zip(*points), "o", color=f"C{k}")
                 axes.loglog(*zip(*pareto(points)), "-", color=f"C{k}")
         axes.set(title=case, xlabel="CPU seconds, one core")
-    every[0][0].set_ylabel("error of the mean area in the stent, %")
-    figure.legend(known.values(), known, loc="upper center", bbox_to_anchor=(0.5, 0), ncol=len(schemes))
+    axes_grid[0][0].set_ylabel("error of the mean area in the stent, %")
+    figure.legend(legend_lines.values(), legend_lines, loc="upper center", bbox_to_anchor=(0.5, 0), ncol=len(schemes))
     figure.savefig(path, dpi=150, bbox_inches="tight")

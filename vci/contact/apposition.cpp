@@ -13,19 +13,19 @@ namespace {
 
 constexpr double apposition_reach = 2.0; // mm: a stent further from a wall vertex lies against another part of the wall
 // mm: a vertex may project along the normals onto a triangle that is this much further away than the nearest one
-constexpr double slack = 0.1;
-constexpr double nothing = 1e300;
+constexpr double projection_slack = 0.1;
+constexpr double no_gap = 1e300;
 
 /// Gap (mm) from a wall vertex to the smooth surface of a stent, measured as contact does; 0 if they touch or overlap.
 /// Returns nothing if the vertex projects onto the stent's open end, or if the outward normals of wall and stent point
 /// opposite ways.
-/// @param units unit normals of all vertices
+/// @param unit_normals unit normals of all vertices
 /// @param candidates numbers of the stent's triangles near the vertex
-std::optional<double> gap_to(const System& system, const Body& stent, const Vectors& units, int vertex,
-                             const std::vector<int>& candidates) {
-  double closest = 0;
+std::optional<double> gap_to_stent(const System& system, const Body& stent, const Vectors& unit_normals, int vertex,
+                                   const std::vector<int>& candidates) {
+  double distance = 0;
   const Vec3& p = system.x[vertex];
-  const SurfaceProjection projection = project_onto(p, candidates, system, units, stent, closest);
+  const SurfaceProjection projection = project_onto(p, candidates, system, unit_normals, stent, distance);
   if (projection.triangle < 0)
     return std::nullopt;
   const Triangle& t = stent.triangles[projection.triangle];
@@ -35,37 +35,37 @@ std::optional<double> gap_to(const System& system, const Body& stent, const Vect
     inside += stent.boundary[t[k] - stent.first] ? 0 : projection.weights[k];
     q += projection.weights[k] * system.x[t[k]];
   }
-  const Vec3 n = interpolated_normal(t, projection.weights, units);
-  if (inside <= 1e-9 || n.dot(units[vertex]) <= 0)
+  const Vec3 n = interpolated_normal(t, projection.weights, unit_normals);
+  if (inside <= 1e-9 || n.dot(unit_normals[vertex]) <= 0)
     return std::nullopt;
-  return std::max(0.0, n.dot(p - q) - sagitta(t, projection.weights, system.x, units));
+  return std::max(0.0, n.dot(p - q) - sagitta(t, projection.weights, system.x, unit_normals));
 }
 
 } // namespace
 
 std::vector<double> malapposition(const System& system, const std::vector<int>& stents) {
   const Body& wall = system.body(0);
-  Vectors units = area_vectors(system);
-  for (Vec3& n : units)
+  Vectors unit_normals = area_vectors(system);
+  for (Vec3& n : unit_normals)
     n.normalize();
-  std::vector<double> gaps(wall.count, nothing);
+  std::vector<double> gaps(wall.count, no_gap);
   std::vector<NearTriangle> found;
   std::vector<int> candidates;
   for (int b : stents) {
     const Body& body = system.body(b);
     const BroadPhase boxes(body.triangles, system.x);
     for (int i = 0; i < wall.count; ++i) {
-      boxes.near(system.x[i], body.triangles, system.x, apposition_reach, slack, -1, found);
+      boxes.find_near(system.x[i], body.triangles, system.x, apposition_reach, projection_slack, -1, found);
       candidates.clear();
       for (const NearTriangle& f : found)
         candidates.push_back(f.triangle);
       if (candidates.empty())
         continue;
-      if (const std::optional<double> gap = gap_to(system, body, units, i, candidates))
+      if (const std::optional<double> gap = gap_to_stent(system, body, unit_normals, i, candidates))
         gaps[i] = std::min(gaps[i], *gap);
     }
   }
-  std::replace(gaps.begin(), gaps.end(), nothing, 0.0);
+  std::replace(gaps.begin(), gaps.end(), no_gap, 0.0);
   return gaps;
 }
 

@@ -64,7 +64,7 @@ void add_friction(ContactPoint& point, const ContactSettings& settings);
 /// How two surfaces lie to each other, and which of their vertices take no part in their contact. The lists hold a flag
 /// for each vertex of a body; an empty list flags none. A vertex that projects onto a triangle of excluded vertices is
 /// not in contact, as if it projected beyond an open edge.
-struct ContactSides {
+struct ContactScope {
   bool nested = true; ///< one surface inside the other; false: side by side, with outward normals towards each other
   std::vector<char> inner_excluded, outer_excluded;
   /// Vertices of the outer surface round a window. Contact of the inner vertices fades out towards this rim, as towards
@@ -85,7 +85,7 @@ class SurfaceTrees {
 public:
   /// The tree of a body, updated to the system's current positions (see BroadPhase::update()).
   const BroadPhase& at(const System& system, int body);
-  void forget(int body) { trees_.erase(body); }
+  void remove_body(int body) { trees_.erase(body); }
 
 private:
   std::map<int, BroadPhase> trees_;
@@ -98,55 +98,60 @@ class SurfaceContact {
 public:
   /// @param inner, outer numbers of the two bodies in the system
   /// @param trees search trees that the contacts of a system share; null: the contact makes its own
-  SurfaceContact(int inner, int outer, const ContactSettings& settings, ContactSides sides = {},
+  SurfaceContact(int inner, int outer, const ContactSettings& settings, ContactScope scope = {},
                  std::shared_ptr<SurfaceTrees> trees = {})
-      : inner_(inner), outer_(outer), settings_(settings), sides_(std::move(sides)),
+      : inner_(inner), outer_(outer), settings_(settings), scope_(std::move(scope)),
         trees_(trees ? std::move(trees) : std::make_shared<SurfaceTrees>()) {}
   int inner() const { return inner_; }
   int outer() const { return outer_; }
   /// Appends the active contact points at the system's positions.
-  /// @param ahead time (ms) over which a time-averaged law predicts the gap from the velocities
-  void detect(const System& system, const Normals& normals, std::vector<ContactPoint>& points, double ahead = 0);
+  /// @param lookahead_ms time (ms) over which a time-averaged law predicts the gap from the velocities
+  void detect(const System& system, const Normals& normals, std::vector<ContactPoint>& points, double lookahead_ms = 0);
 
 private:
-  /// An earlier result holds until the motions of the vertex and of the other surface add up to more than `length`.
+  /// An earlier result holds until the motions of the vertex and of the other surface add up to more than `allowance`.
   struct MotionBound {
-    Vec3 place;    ///< position of the vertex when the result was found, mm
-    double travel; ///< Direction::travel when the result was found, mm
-    double length; ///< mm; below 0: the result must be computed again at once
-    bool exceeded(const Vec3& p, double travelled) const { return (p - place).norm() + travelled - travel > length; }
+    Vec3 position;    ///< position of the vertex when the result was found, mm
+    double travel;    ///< OneWayContact::travel when the result was found, mm
+    double allowance; ///< mm; below 0: the result must be computed again at once
+    bool exceeded(const Vec3& p, double travelled) const {
+      return (p - position).norm() + travelled - travel > allowance;
+    }
   };
   /// The triangles of the other surface that lie near a vertex.
-  struct Facing {
-    MotionBound search{Vec3::Zero(), 0, -1}, measure = search; ///< when to repeat the search, and when the gap
-    std::vector<int> triangles;                                ///< candidates for contact; empty: the surface is far
-    int last_triangle = -1; ///< the triangle that the vertex met last, or that the search found nearest; -1: none
+  struct Candidates {
+    MotionBound search_bound{Vec3::Zero(), 0, -1},
+        gap_bound = search_bound; ///< when to repeat the search, and when the gap
+    std::vector<int> triangles;   ///< candidates for contact; empty: the surface is far
+    int last_triangle = -1;       ///< the triangle that the vertex met last, or that the search found nearest; -1: none
   };
   /// Contact of one body's vertices with the other body's triangles.
-  struct Direction {
-    std::vector<Facing> facing;     ///< one for each vertex
-    Vectors slip;                   ///< of each vertex, mm
-    std::vector<double> deep_scale; ///< factor on the deep response of each vertex
-    double travel = 0;              ///< sum over all calls of the largest displacement of the other body, mm
+  struct OneWayContact {
+    std::vector<Candidates> candidates; ///< one for each vertex
+    Vectors slip;                       ///< of each vertex, mm
+    std::vector<double> deep_scale;     ///< factor on the deep response of each vertex
+    double travel = 0;                  ///< sum over all calls of the largest displacement of the other body, mm
   };
-  void search(const System& system, const Vectors& units, int from, int onto, bool vertex_inside, Direction& side);
-  void face(const System& system, const Vectors& units, int v, const Body& target, bool vertex_inside,
-            const std::vector<NearTriangle>& found, double travel, Facing& facing) const;
-  bool keeps_projection(const System& system, const Vectors& units, const Vec3& p, const Body& target, double travel,
-                        const Facing& facing) const;
-  void measure(const System& system, const Normals& normals, int from, int onto, bool vertex_inside, double ahead,
-               Direction& side, std::vector<ContactPoint>& points) const;
-  double largest_move(const System& system, int body) const;
+  void search_candidates(const System& system, const Vectors& unit_normals, int from, int onto, bool vertex_inside,
+                         OneWayContact& one_way);
+  void store_candidates(const System& system, const Vectors& unit_normals, int v, const Body& target,
+                        bool vertex_inside, const std::vector<NearTriangle>& found, double travel,
+                        Candidates& candidates) const;
+  bool still_projects(const System& system, const Vectors& unit_normals, const Vec3& p, const Body& target,
+                      double travel, const Candidates& candidates) const;
+  void measure_gaps(const System& system, const Normals& normals, int from, int onto, bool vertex_inside,
+                    double lookahead_ms, OneWayContact& one_way, std::vector<ContactPoint>& points) const;
+  double largest_displacement(const System& system, int body) const;
   bool excluded(const System& system, int body, int vertex) const;
-  bool open_at(const System& system, int body, int vertex) const;
+  bool lies_at_window(const System& system, int body, int vertex) const;
   ContactFade fade_at(const System& system, int body, const Triangle& t, const Vec3& weights) const;
 
   int inner_, outer_;
   ContactSettings settings_;
-  ContactSides sides_;
+  ContactScope scope_;
   std::shared_ptr<SurfaceTrees> trees_;
-  Vectors last_; ///< positions of all vertices at the last detect(), mm
-  Direction inner_on_outer_, outer_on_inner_;
+  Vectors last_positions_; ///< positions of all vertices at the last detect(), mm
+  OneWayContact inner_on_outer_, outer_on_inner_;
 };
 
 /// A contact point made permanent. At the offset r0 the tie has the contact's force f0 n, n the normal. Springs resist
@@ -157,7 +162,7 @@ struct Tie {
   double force;             ///< f0, N
 };
 /// The tie of a contact point at positions x.
-Tie tie_of(const ContactPoint& point, const Vectors& x, double stiffness_mpa_per_mm);
+Tie make_tie(const ContactPoint& point, const Vectors& x, double stiffness_mpa_per_mm);
 /// Adds the ties' forces at positions x (mm) to `force` (N per vertex of the system).
 void add_tie_forces(const std::vector<Tie>& ties, const Vectors& x, Vectors& force);
 void add_contact_forces(const std::vector<ContactPoint>& points, Vectors& force);

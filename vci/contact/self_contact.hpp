@@ -18,32 +18,32 @@ public:
   /// Appends the active contact points at the system's positions. @param normals area vectors of all vertices
   void detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points);
   /// Number of vertices that face a layer, as found by the last detect().
-  int facing() const;
+  int count_facing() const;
 
 private:
-  struct Layer {
+  struct FacedLayer {
     int triangle = -1;            ///< the triangle that the vertex faces; -1: none
     Vec3 slip = Vec3::Zero();     ///< always 0, since there is no friction; a ContactPoint needs it
     Vec3 weights = Vec3::Zero();  ///< barycentric, of the triangle's closest point
     double distance = 0, gap = 0; ///< mm; the gap is negative once the vertex has passed through the layer
   };
-  bool own(int vertex, const Triangle& t, int first) const;
-  void follow(const System& system, int vertex, Layer& layer) const;
-  bool keeps(const System& system, int vertex, double side, Layer& layer) const;
-  void search(const System& system, int vertex, std::vector<NearTriangle>& found);
-  void press(const System& system, int vertex, double area, double side, Layer& layer,
-             std::vector<ContactPoint>& points) const;
-  bool may_have_missed(const System& system);
+  bool in_own_layer(int vertex, const Triangle& t, int first) const;
+  void follow_layer(const System& system, int vertex, FacedLayer& layer) const;
+  bool still_faces(const System& system, int vertex, double side, FacedLayer& layer) const;
+  void search_layers(const System& system, int vertex, std::vector<NearTriangle>& found);
+  void add_contact_point(const System& system, int vertex, double area, double side, FacedLayer& layer,
+                         std::vector<ContactPoint>& points) const;
+  bool search_due(const System& system);
 
   int body_;
   double stiffness_;
   std::vector<double> thickness_;
-  std::array<std::vector<Layer>, 2> layers_; ///< the layers that each vertex faces on its outer and its inner side
-  std::vector<std::vector<int>> near_;       ///< per vertex: itself and its neighbours along edges, ascending
-  std::vector<std::vector<int>> around_;     ///< per triangle: the triangles that share a vertex with it
+  std::array<std::vector<FacedLayer>, 2> layers_; ///< the layers that each vertex faces on its outer and its inner side
+  std::vector<std::vector<int>> neighbours_;      ///< per vertex: itself and its neighbours along edges, ascending
+  std::vector<std::vector<int>> adjacent_triangles_; ///< per triangle: the triangles that share a vertex with it
   std::unique_ptr<BroadPhase> boxes_;
-  Vectors units_, last_; ///< unit normals of all vertices; positions at the last search test, mm
-  double travel_ = 0;    ///< sum of the largest displacements since the last search, mm
+  Vectors unit_normals_, last_positions_; ///< unit normals of all vertices; positions at the last search test, mm
+  double travel_ = 0;                     ///< sum of the largest displacements since the last search, mm
 };
 
 } // namespace vci

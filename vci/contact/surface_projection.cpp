@@ -7,10 +7,10 @@
 
 namespace vci {
 
-Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& units) {
+Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& unit_normals) {
   Vec3 n = Vec3::Zero();
   for (int k = 0; k < 3; ++k)
-    n += weights[k] * units[t[k]];
+    n += weights[k] * unit_normals[t[k]];
   return n.normalized();
 }
 
@@ -20,17 +20,17 @@ namespace {
 /// moves continuously across edges on both sides of a folded surface. Returns false if the point lies far outside the
 /// triangle, or if the interpolated normal leans too far from the triangle's own.
 /// @param weights barycentric: first guess, then the result, which may lie outside the triangle
-bool project_along_normals(const Vec3& p, const Triangle& t, const System& system, const Vectors& units,
+bool project_along_normals(const Vec3& p, const Triangle& t, const System& system, const Vectors& unit_normals,
                            Vec3& weights) {
   // Iterations end at this change of the weights. Each iteration leaves a hundredth of their error or less.
-  constexpr double settled = 1e-5;
+  constexpr double weight_tolerance = 1e-5;
   const Vec3 &a = system.x[t[0]], ab = system.x[t[1]] - a, ac = system.x[t[2]] - a;
   const Vec3 face = ab.cross(ac), pa = p - a;
-  const double square = face.squaredNorm(), least = 0.2 * std::sqrt(square), height = pa.dot(face);
+  const double square = face.squaredNorm(), least_slope = 0.2 * std::sqrt(square), height = pa.dot(face);
   for (int iteration = 0; iteration < 4; ++iteration) {
-    const Vec3 n = interpolated_normal(t, weights, units);
+    const Vec3 n = interpolated_normal(t, weights, unit_normals);
     const double slope = n.dot(face);
-    if (slope <= least)
+    if (slope <= least_slope)
       return false;
     const Vec3 q = pa - height / slope * n;
     const double v = q.cross(ac).dot(face) / square, w = ab.cross(q).dot(face) / square;
@@ -38,13 +38,13 @@ bool project_along_normals(const Vec3& p, const Triangle& t, const System& syste
     weights = Vec3(1 - v - w, v, w);
     if (weights.minCoeff() < -0.5)
       return false;
-    if (change < settled)
+    if (change < weight_tolerance)
       break;
   }
   return true;
 }
 
-bool inside(const Vec3& weights) {
+bool lies_in_triangle(const Vec3& weights) {
   return weights.minCoeff() >= -1e-6;
 }
 
@@ -53,38 +53,38 @@ double distance_squared(const Vec3& p, const Triangle& t, const Vec3& weights, c
 }
 
 // mm: a vertex further than this from the triangle that it met last may meet another triangle
-constexpr double near_last = 0.1;
+constexpr double follow_distance = 0.1;
 
 } // namespace
 
-bool follow_projection(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
-                       SurfaceProjection& projection) {
+bool follow_projection(const Vec3& p, int triangle, const System& system, const Vectors& unit_normals,
+                       const Body& target, SurfaceProjection& projection) {
   const Triangle& t = target.triangles[triangle];
   Vec3 weights = Vec3::Constant(1.0 / 3);
-  if (!project_along_normals(p, t, system, units, weights) || !inside(weights))
+  if (!project_along_normals(p, t, system, unit_normals, weights) || !lies_in_triangle(weights))
     return false;
   projection = {triangle, weights, distance_squared(p, t, weights, system), true};
-  return projection.distance_squared < near_last * near_last;
+  return projection.distance_squared < follow_distance * follow_distance;
 }
 
-bool stay_on_edge(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
-                  SurfaceProjection& projection) {
+bool project_onto_edge(const Vec3& p, int triangle, const System& system, const Vectors& unit_normals,
+                       const Body& target, SurfaceProjection& projection) {
   const Triangle& t = target.triangles[triangle];
   Vec3 weights = Vec3::Constant(1.0 / 3);
-  if (!project_along_normals(p, t, system, units, weights))
+  if (!project_along_normals(p, t, system, unit_normals, weights))
     return false;
   weights = weights.cwiseMax(0.0);
   weights /= weights.sum();
   const double d2 = distance_squared(p, t, weights, system);
-  if (d2 >= near_last * near_last)
+  if (d2 >= follow_distance * follow_distance)
     return false;
   projection = {triangle, weights, d2};
   return true;
 }
 
 SurfaceProjection project_onto(const Vec3& p, const std::vector<int>& candidates, const System& system,
-                               const Vectors& units, const Body& target, double& distance) {
-  constexpr double near = 0.05; // mm: triangles up to this much further away than the closest are tried
+                               const Vectors& unit_normals, const Body& target, double& distance) {
+  constexpr double candidate_margin = 0.05; // mm: triangles up to this much further away than the closest are tried
   std::vector<SurfaceProjection> projections;
   projections.reserve(candidates.size());
   SurfaceProjection closest;
@@ -96,18 +96,18 @@ SurfaceProjection project_onto(const Vec3& p, const std::vector<int>& candidates
       closest = projections.back();
   }
   distance = std::sqrt(closest.distance_squared);
-  const double reach = distance + near;
+  const double reach = distance + candidate_margin;
   SurfaceProjection best;
-  for (const SurfaceProjection& near_one : projections) {
-    if (near_one.distance_squared > reach * reach)
+  for (const SurfaceProjection& candidate : projections) {
+    if (candidate.distance_squared > reach * reach)
       continue;
-    const Triangle& t = target.triangles[near_one.triangle];
-    Vec3 weights = near_one.weights;
-    if (!project_along_normals(p, t, system, units, weights) || !inside(weights))
+    const Triangle& t = target.triangles[candidate.triangle];
+    Vec3 weights = candidate.weights;
+    if (!project_along_normals(p, t, system, unit_normals, weights) || !lies_in_triangle(weights))
       continue;
     const double d2 = distance_squared(p, t, weights, system);
     if (d2 < best.distance_squared)
-      best = {near_one.triangle, weights, d2, true};
+      best = {candidate.triangle, weights, d2, true};
   }
   return best.triangle >= 0 ? best : closest;
 }

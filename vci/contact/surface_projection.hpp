@@ -13,25 +13,25 @@ struct SurfaceProjection {
 
 /// Unit normal at a place of a triangle, interpolated between those of its corners.
 /// @param weights barycentric coordinates of the place
-/// @param units unit normals of all vertices
-Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& units);
+/// @param unit_normals unit normals of all vertices
+Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& unit_normals);
 
 /// Projects p (mm) along the normals onto the triangle that it met last, which saves a search among all candidates.
 /// Returns false if the projection lies outside this triangle, or 0.1 mm or more from p.
-bool follow_projection(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
-                       SurfaceProjection& projection);
+bool follow_projection(const Vec3& p, int triangle, const System& system, const Vectors& unit_normals,
+                       const Body& target, SurfaceProjection& projection);
 
 /// Projects p onto the edge of a triangle at a sharp fold. There a vertex may lie on no normal of either side. Its
 /// closest point would jump between the sides, so that a contact would find no balance. This function instead moves the
 /// projection along the normals, which lies outside the triangle, onto the triangle's edge. Returns false if that
 /// projection lies far outside the triangle, or the edge 0.1 mm or more from p.
-bool stay_on_edge(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
-                  SurfaceProjection& projection);
+bool project_onto_edge(const Vec3& p, int triangle, const System& system, const Vectors& unit_normals,
+                       const Body& target, SurfaceProjection& projection);
 
 /// The projection of p along the interpolated normals if a candidate near p has one, else the closest point.
 /// @param candidates numbers of triangles of `target`
 /// @param distance set to the distance from p to the closest point, mm
 SurfaceProjection project_onto(const Vec3& p, const std::vector<int>& candidates, const System& system,
-                               const Vectors& units, const Body& target, double& distance);
+                               const Vectors& unit_normals, const Body& target, double& distance);
 
 } // namespace vci

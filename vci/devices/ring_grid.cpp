@@ -12,14 +12,14 @@ namespace {
 Vectors ring_areas(const System& system, int body, const RingGrid& grid) {
   const Vectors centres = ring_centres(system, body, grid);
   const int first = system.body(body).first;
-  const double circle = 2 * pi / (grid.around * std::sin(2 * pi / grid.around));
+  const double circle_over_polygon = 2 * pi / (grid.ring_size * std::sin(2 * pi / grid.ring_size));
   Vectors areas;
   for (int r = 0; r < grid.rings(); ++r) {
     Vec3 area = Vec3::Zero();
-    for (int k = 0; k < grid.around; ++k)
-      area += 0.5 * (system.x[first + r * grid.around + k] - centres[r])
-                        .cross(system.x[first + r * grid.around + (k + 1) % grid.around] - centres[r]);
-    areas.push_back(circle * area);
+    for (int k = 0; k < grid.ring_size; ++k)
+      area += 0.5 * (system.x[first + r * grid.ring_size + k] - centres[r])
+                        .cross(system.x[first + r * grid.ring_size + (k + 1) % grid.ring_size] - centres[r]);
+    areas.push_back(circle_over_polygon * area);
   }
   return areas;
 }
@@ -29,8 +29,8 @@ Vectors ring_areas(const System& system, int body, const RingGrid& grid) {
 Triangles RingGrid::triangles() const {
   Triangles list;
   for (int r = 0; r + 1 < rings(); ++r)
-    for (int k = 0; k < around; ++k) {
-      const int a = r * around + k, b = r * around + (k + 1) % around, c = a + around, d = b + around;
+    for (int k = 0; k < ring_size; ++k) {
+      const int a = r * ring_size + k, b = r * ring_size + (k + 1) % ring_size, c = a + ring_size, d = b + ring_size;
       if ((r + k) % 2 == 0) {
         list.push_back({a, b, d});
         list.push_back({a, d, c});
@@ -42,22 +42,22 @@ Triangles RingGrid::triangles() const {
   return list;
 }
 
-std::vector<double> RingGrid::along(double centre_s) const {
-  std::vector<double> places = s;
-  for (double& place : places)
-    place += centre_s;
-  return places;
+std::vector<double> RingGrid::ring_arc_lengths(double centre_s) const {
+  std::vector<double> arc_lengths = s;
+  for (double& arc_length : arc_lengths)
+    arc_length += centre_s;
+  return arc_lengths;
 }
 
-int even_count(double circumference, double edge) {
+int even_edge_count(double circumference, double edge) {
   return 2 * std::max(6, static_cast<int>(std::lround(0.5 * circumference / edge)));
 }
 
 Vectors place_grid(const RingGrid& grid, const std::vector<Frame>& frames, const std::vector<double>& radius) {
   Vectors points;
   for (int r = 0; r < grid.rings(); ++r)
-    for (int k = 0; k < grid.around; ++k) {
-      const double angle = 2 * pi * k / grid.around;
+    for (int k = 0; k < grid.ring_size; ++k) {
+      const double angle = 2 * pi * k / grid.ring_size;
       points.push_back(frames[r].origin +
                        radius[r] * (std::cos(angle) * frames[r].first + std::sin(angle) * frames[r].second));
     }
@@ -77,8 +77,8 @@ Vectors straight_grid(const RingGrid& g, double radius) {
 std::vector<std::array<int, 2>> hoop_edges(const RingGrid& g) {
   std::vector<std::array<int, 2>> edges;
   for (int r = 0; r < g.rings(); ++r)
-    for (int k = 0; k < g.around; ++k)
-      edges.push_back({r * g.around + k, r * g.around + (k + 1) % g.around});
+    for (int k = 0; k < g.ring_size; ++k)
+      edges.push_back({r * g.ring_size + k, r * g.ring_size + (k + 1) % g.ring_size});
   return edges;
 }
 
@@ -96,9 +96,9 @@ Vectors ring_centres(const System& system, int body, const RingGrid& grid) {
   const int first = system.body(body).first;
   for (int r = 0; r < grid.rings(); ++r) {
     Vec3 sum = Vec3::Zero();
-    for (int k = 0; k < grid.around; ++k)
-      sum += system.x[first + r * grid.around + k];
-    centres.push_back(sum / grid.around);
+    for (int k = 0; k < grid.ring_size; ++k)
+      sum += system.x[first + r * grid.ring_size + k];
+    centres.push_back(sum / grid.ring_size);
   }
   return centres;
 }
@@ -110,7 +110,7 @@ std::vector<double> ring_radii(const System& system, int body, const RingGrid& g
   return radii;
 }
 
-std::vector<double> ring_sections(const System& system, int body, const RingGrid& grid) {
+std::vector<double> ring_section_areas(const System& system, int body, const RingGrid& grid) {
   const Vectors centres = ring_centres(system, body, grid), areas = ring_areas(system, body, grid);
   std::vector<double> sections;
   for (int r = 0; r < grid.rings(); ++r) {
@@ -125,21 +125,22 @@ std::vector<double> perimeter_diameters(const System& system, int body, const Ri
   std::vector<double> diameters;
   for (int r = 0; r < grid.rings(); ++r) {
     double perimeter = 0;
-    for (int k = 0; k < grid.around; ++k)
+    for (int k = 0; k < grid.ring_size; ++k)
       perimeter +=
-          (system.x[first + r * grid.around + (k + 1) % grid.around] - system.x[first + r * grid.around + k]).norm();
-    diameters.push_back(perimeter / (grid.around * std::sin(pi / grid.around)));
+          (system.x[first + r * grid.ring_size + (k + 1) % grid.ring_size] - system.x[first + r * grid.ring_size + k])
+              .norm();
+    diameters.push_back(perimeter / (grid.ring_size * std::sin(pi / grid.ring_size)));
   }
   return diameters;
 }
 
-void shift(std::vector<EdgePair>& edges, int first) {
-  for (EdgePair& e : edges)
+void offset_vertices(std::vector<InteriorEdge>& edges, int first) {
+  for (InteriorEdge& e : edges)
     for (int* v : {&e.e0, &e.e1, &e.w0, &e.w1})
       *v += first;
 }
 
-Vectors shifted(const Vectors& points, int first) {
+Vectors with_leading_zeros(const Vectors& points, int first) {
   Vectors all(first, Vec3::Zero());
   all.insert(all.end(), points.begin(), points.end());
   return all;

@@ -6,20 +6,20 @@
 
 namespace vci {
 
-/// Rings of `around` vertices each. Vertex k of ring r has the number r * around + k.
+/// Rings of `ring_size` vertices each. Vertex k of ring r has the number r * ring_size + k.
 struct RingGrid {
-  int around = 0;
-  std::vector<double> s;       ///< place of each ring along the straight device, from its centre, mm
-  std::vector<double> profile; ///< inflated diameter of each ring over that of the device's cylindrical part
-  std::vector<double> start;   ///< diameter of each ring at the start over the crimped diameter
+  int ring_size = 0;
+  std::vector<double> s;           ///< place of each ring along the straight device, from its centre, mm
+  std::vector<double> profile;     ///< inflated diameter of each ring over that of the device's cylindrical part
+  std::vector<double> start_ratio; ///< diameter of each ring at the start over the crimped diameter
   int rings() const { return static_cast<int>(s.size()); }
   Triangles triangles() const; ///< indices of vertices; the triangles face outwards
   /// Arc lengths (mm) of the rings along a vessel, with the device's centre at `centre_s`.
-  std::vector<double> along(double centre_s) const;
+  std::vector<double> ring_arc_lengths(double centre_s) const;
 };
 
 /// The even number (at least 12) of edges of about `edge_mm` round a circumference.
-int even_count(double circumference_mm, double edge_mm);
+int even_edge_count(double circumference_mm, double edge_mm);
 
 /// Vertices (mm) of a grid. @param frames place and axes of each ring @param radius of each ring, mm
 Vectors place_grid(const RingGrid& grid, const std::vector<Frame>& frames, const std::vector<double>& radius);
@@ -38,12 +38,12 @@ std::vector<double> ring_radii(const System& system, int body, const RingGrid& g
 std::vector<double> perimeter_diameters(const System& system, int body, const RingGrid& grid);
 /// Area (mm^2) that each ring encloses, projected along the line through the rings' centres. This is the section of the
 /// device's tube, even if the ring is oblique to it.
-std::vector<double> ring_sections(const System& system, int body, const RingGrid& grid);
+std::vector<double> ring_section_areas(const System& system, int body, const RingGrid& grid);
 Vectors ring_centres(const System& system, int body, const RingGrid& grid);
 
 /// Turns a body's own vertex indices into the system's, in which the body's first vertex is `first`.
-void shift(std::vector<EdgePair>& edges, int first);
+void offset_vertices(std::vector<InteriorEdge>& edges, int first);
 /// A list in which the system's indices find a body's points: `first` zero vectors, then the points.
-Vectors shifted(const Vectors& points, int first);
+Vectors with_leading_zeros(const Vectors& points, int first);
 
 } // namespace vci

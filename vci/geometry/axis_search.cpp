@@ -7,8 +7,8 @@ namespace vci {
 AxisSearch::AxisSearch(const Path& path) : points_(path.points()), s_{path.start()} {
   for (std::size_t k = 1; k < points_.size(); ++k)
     s_.push_back(s_.back() + (points_[k] - points_[k - 1]).norm());
-  for (std::size_t first = 0; first + 1 < points_.size(); first += group) {
-    const std::size_t last = std::min(first + group, points_.size() - 1);
+  for (std::size_t first = 0; first + 1 < points_.size(); first += group_size) {
+    const std::size_t last = std::min(first + group_size, points_.size() - 1);
     const Vec3 centre = 0.5 * (points_[first] + points_[last]);
     double radius = 0;
     for (std::size_t k = first; k <= last; ++k)
@@ -17,8 +17,8 @@ AxisSearch::AxisSearch(const Path& path) : points_(path.points()), s_{path.start
   }
 }
 
-AxisPlace AxisSearch::nearest(const Vec3& p) {
-  AxisPlace best{points_.front(), s_.front()};
+AxisPoint AxisSearch::nearest(const Vec3& p) {
+  AxisPoint best{points_.front(), s_.front()};
   double distance = 1e300;
   const auto search = [&](std::size_t g) {
     if ((p - groups_[g].centre).norm() - groups_[g].radius >= distance)
@@ -30,11 +30,11 @@ AxisPlace AxisSearch::nearest(const Vec3& p) {
       if (const double d = (p - q).norm(); d < distance) {
         distance = d;
         best = {q, s_[k] + t * (s_[k + 1] - s_[k])};
-        last_ = g;
+        last_group_ = g;
       }
     }
   };
-  search(last_);
+  search(last_group_);
   for (std::size_t g = 0; g < groups_.size(); ++g)
     search(g);
   return best;

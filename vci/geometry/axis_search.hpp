@@ -4,7 +4,7 @@
 
 namespace vci {
 
-struct AxisPlace {
+struct AxisPoint {
   Vec3 point = Vec3::Zero();
   double s = 0; ///< arc length, mm
 };
@@ -15,10 +15,10 @@ class AxisSearch {
 public:
   explicit AxisSearch(const Path& path);
   /// The search begins in the group where the last search ended, because consecutive points mostly lie near each other.
-  AxisPlace nearest(const Vec3& p);
+  AxisPoint nearest(const Vec3& p);
 
 private:
-  static constexpr std::size_t group = 16; ///< largest number of pieces in a group
+  static constexpr std::size_t group_size = 16; ///< largest number of pieces in a group
   struct Group {
     std::size_t first, last;
     Vec3 centre;
@@ -27,7 +27,7 @@ private:
   Vectors points_;
   std::vector<double> s_;
   std::vector<Group> groups_;
-  std::size_t last_ = 0;
+  std::size_t last_group_ = 0;
 };
 
 } // namespace vci

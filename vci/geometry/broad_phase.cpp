@@ -16,14 +16,14 @@ struct BroadPhase::Tree {
   fcl::detail::HierarchyTree<Box> hierarchy;
   std::vector<Node*> leaves;
   std::vector<int> vertices; ///< of the triangles, ascending
-  Vectors fitted;            ///< positions of these vertices when the boxes were last fitted, mm
-  double moved = 0;          ///< largest displacement of a vertex since then, mm
+  Vectors fitted_positions;  ///< positions of these vertices when the boxes were last fitted, mm
+  double largest_move = 0;   ///< largest displacement of a vertex since then, mm
 };
 
 namespace {
 
 // mm: displacement after which boxes are fitted again. Fitting more often takes longer than searching in larger boxes.
-constexpr double refit_after = 0.1;
+constexpr double refit_distance = 0.1;
 
 Box box_of(const Triangle& t, const Vectors& x) {
   return Box(x[t[0]], x[t[1]], x[t[2]]);
@@ -39,8 +39,8 @@ struct Search {
   const Triangles& triangles;
   const Vectors& x;
   double slack, reach;
-  double moved; // largest displacement since the boxes were fitted: a triangle may lie this far outside its box
-  std::vector<NearTriangle>& found;
+  double largest_move; // largest displacement since the boxes were fitted: a triangle may lie this far outside its box
+  std::vector<NearTriangle>& hits;
 
   void visit(const Node* node) {
     if (node->isLeaf()) {
@@ -49,7 +49,7 @@ struct Search {
       const ClosestPoint c = closest_on_triangle(p, x[t[0]], x[t[1]], x[t[2]]);
       if (c.distance_squared <= reach * reach) {
         const double distance = std::sqrt(c.distance_squared);
-        found.push_back({k, distance, c.weights});
+        hits.push_back({k, distance, c.weights});
         reach = std::min(reach, distance + slack);
       }
       return;
@@ -60,11 +60,11 @@ struct Search {
       std::swap(near, far);
       std::swap(d_near, d_far);
     }
-    enter(near, d_near);
-    enter(far, d_far);
+    visit_within_reach(near, d_near);
+    visit_within_reach(far, d_far);
   }
-  void enter(const Node* node, double squared) {
-    if (squared <= (reach + moved) * (reach + moved))
+  void visit_within_reach(const Node* node, double squared) {
+    if (squared <= (reach + largest_move) * (reach + largest_move))
       visit(node);
   }
 };
@@ -80,7 +80,7 @@ BroadPhase::BroadPhase(const Triangles& triangles, const Vectors& x) : tree_(std
   std::sort(tree_->vertices.begin(), tree_->vertices.end());
   tree_->vertices.erase(std::unique(tree_->vertices.begin(), tree_->vertices.end()), tree_->vertices.end());
   for (int v : tree_->vertices)
-    tree_->fitted.push_back(x[v]);
+    tree_->fitted_positions.push_back(x[v]);
 }
 
 BroadPhase::~BroadPhase() = default;
@@ -90,13 +90,13 @@ BroadPhase& BroadPhase::operator=(BroadPhase&&) noexcept = default;
 void BroadPhase::update(const Triangles& triangles, const Vectors& x) {
   double squared = 0;
   for (std::size_t k = 0; k < tree_->vertices.size(); ++k)
-    squared = std::max(squared, (x[tree_->vertices[k]] - tree_->fitted[k]).squaredNorm());
-  tree_->moved = std::sqrt(squared);
-  if (tree_->moved <= refit_after)
+    squared = std::max(squared, (x[tree_->vertices[k]] - tree_->fitted_positions[k]).squaredNorm());
+  tree_->largest_move = std::sqrt(squared);
+  if (tree_->largest_move <= refit_distance)
     return;
-  tree_->moved = 0;
+  tree_->largest_move = 0;
   for (std::size_t k = 0; k < tree_->vertices.size(); ++k)
-    tree_->fitted[k] = x[tree_->vertices[k]];
+    tree_->fitted_positions[k] = x[tree_->vertices[k]];
   for (std::size_t k = 0; k < triangles.size(); ++k) {
     const Vec3 &a = x[triangles[k][0]], &b = x[triangles[k][1]], &c = x[triangles[k][2]];
     Box& box = tree_->leaves[k]->bv;
@@ -106,19 +106,19 @@ void BroadPhase::update(const Triangles& triangles, const Vectors& x) {
   tree_->hierarchy.refit();
 }
 
-void BroadPhase::near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack,
-                      int guess, std::vector<NearTriangle>& found) const {
-  found.clear();
+void BroadPhase::find_near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack,
+                           int guess, std::vector<NearTriangle>& hits) const {
+  hits.clear();
   if (tree_->leaves.empty())
     return;
   if (guess >= 0) { // the nearest triangle is at most as far away as this one
     const Triangle& t = triangles[guess];
     reach = std::min(reach, std::sqrt(closest_on_triangle(p, x[t[0]], x[t[1]], x[t[2]]).distance_squared) + slack);
   }
-  Search search{p, triangles, x, slack, reach, tree_->moved, found};
+  Search search{p, triangles, x, slack, reach, tree_->largest_move, hits};
   search.visit(tree_->hierarchy.getRoot());
-  std::erase_if(found, [&](const NearTriangle& f) { return f.distance > search.reach; });
-  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.triangle < b.triangle; });
+  std::erase_if(hits, [&](const NearTriangle& f) { return f.distance > search.reach; });
+  std::sort(hits.begin(), hits.end(), [](const auto& a, const auto& b) { return a.triangle < b.triangle; });
 }
 
 } // namespace vci

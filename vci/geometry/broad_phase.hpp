@@ -26,8 +26,8 @@ public:
   /// sorted by their numbers.
   /// @param triangles, x as given to the last update
   /// @param guess a triangle that may be near, or -1; a good guess shortens the search and does not change its result
-  void near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack, int guess,
-            std::vector<NearTriangle>& found) const;
+  void find_near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack, int guess,
+                 std::vector<NearTriangle>& hits) const;
 
 private:
   struct Tree;

@@ -13,23 +13,23 @@ namespace vci {
 /// along the surface the error is of third order in the edge.
 class CarriedPoints {
 public:
-  /// @param triangles, before the surface before its deformation, mm
+  /// @param triangles, undeformed the surface before its deformation, mm
   /// @param points mm
-  CarriedPoints(Triangles triangles, Vectors before, Vectors points);
+  CarriedPoints(Triangles triangles, Vectors undeformed, Vectors points);
 
   /// Distance (mm) of each point from the surface before its deformation.
-  const std::vector<double>& distance() const { return distance_; }
-  /// The points, mm, once the surface's vertices are at `after`.
-  Vectors moved(const Vectors& after) const;
+  const std::vector<double>& distances() const { return distances_; }
+  /// The points, mm, once the surface's vertices are at `deformed`.
+  Vectors displaced_points(const Vectors& deformed) const;
   /// Values at the surface's vertices, interpolated linearly to the points.
-  std::vector<double> values(const std::vector<double>& at_vertices) const;
+  std::vector<double> interpolate(const std::vector<double>& vertex_values) const;
 
 private:
   Triangles triangles_;
-  Vectors before_, points_;
-  std::vector<int> nearest_; ///< triangle of each point
-  Vectors weights_;          ///< in that triangle, barycentric
-  std::vector<double> distance_;
+  Vectors undeformed_, points_;
+  std::vector<int> nearest_triangle_; ///< triangle of each point
+  Vectors weights_;                   ///< in that triangle, barycentric
+  std::vector<double> distances_;
 };
 
 } // namespace vci

@@ -12,13 +12,13 @@ Path::Path(Vectors points, double start) : points_(std::move(points)) {
     s_.push_back(s_.back() + (points_[k] - points_[k - 1]).norm());
 }
 
-std::size_t Path::piece(double s) const {
+std::size_t Path::segment_index(double s) const {
   const auto it = std::upper_bound(s_.begin() + 1, s_.end() - 1, s);
   return static_cast<std::size_t>(it - s_.begin());
 }
 
 Vec3 Path::at(double s) const {
-  const std::size_t k = piece(s);
+  const std::size_t k = segment_index(s);
   const double t = (s - s_[k - 1]) / (s_[k] - s_[k - 1]);
   return (1 - t) * points_[k - 1] + t * points_[k];
 }
@@ -62,7 +62,7 @@ std::vector<Frame> Path::frames(const std::vector<double>& s) const {
   return frames;
 }
 
-Path follow_wall(const Path& path, const Lumen& lumen, const Vectors& moved) {
+Path follow_wall(const Path& path, const Lumen& lumen, const Vectors& current_points) {
   Vectors shifted = path.points();
   for (std::size_t k = 0; k < shifted.size(); ++k) {
     const Vec3 centre = path.points()[k];
@@ -74,7 +74,7 @@ Path follow_wall(const Path& path, const Lumen& lumen, const Vectors& moved) {
       const Vec3 d = lumen.points[v] - centre;
       const double z = std::abs(d.dot(along));
       if (z < 0.5 && d.squaredNorm() < 2.25 * lumen.radius[v] * lumen.radius[v] + 0.25) {
-        sum += (0.5 - z) * (moved[v] - lumen.points[v]);
+        sum += (0.5 - z) * (current_points[v] - lumen.points[v]);
         weight += 0.5 - z;
       }
     }

@@ -28,7 +28,7 @@ public:
   const Vectors& points() const { return points_; }
 
 private:
-  std::size_t piece(double s) const;
+  std::size_t segment_index(double s) const;
   Vec3 fitted_direction(double s_start, double s_end) const;
   Vectors points_;
   std::vector<double> s_;
@@ -37,7 +37,7 @@ private:
 /// The path of a branch after its wall has moved. Each point moves by the mean displacement of the wall round it, of
 /// wall points within 0.5 mm along the axis and about 1.5 local radii. The new path's arc length is measured along its
 /// own points, from the same start value.
-/// @param moved current positions of the lumen's points, mm
-Path follow_wall(const Path& path, const Lumen& lumen, const Vectors& moved);
+/// @param current_points current positions of the lumen's points, mm
+Path follow_wall(const Path& path, const Lumen& lumen, const Vectors& current_points);
 
 } // namespace vci

@@ -11,9 +11,9 @@ Vectors section_normals(const Vectors& points, const Triangles& triangles);
 /// nearest to `origin` counts. Returns 0 if there is no closed loop. The vertices are taken as points of a smooth
 /// surface: arcs bound the area, not the triangles' chords. The area's error then falls with the fourth power of the
 /// edges' length, not the second.
-/// @param units section_normals() of the surface
+/// @param unit_normals section_normals() of the surface
 /// @param origin, normal point and unit normal of the plane
-double section_area(const Vectors& points, const Triangles& triangles, const Vectors& units, const Vec3& origin,
+double section_area(const Vectors& points, const Triangles& triangles, const Vectors& unit_normals, const Vec3& origin,
                     const Vec3& normal);
 
 /// The smallest area (mm^2) of the sections every half millimetre along a path from s_start to s_end (mm). Only

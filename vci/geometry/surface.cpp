@@ -26,8 +26,8 @@ std::map<std::pair<int, int>, std::vector<Side>> sides_of(const Triangles& trian
 
 } // namespace
 
-std::vector<EdgePair> interior_edges(const Triangles& triangles, const Vectors& points) {
-  std::vector<EdgePair> edges;
+std::vector<InteriorEdge> interior_edges(const Triangles& triangles, const Vectors& points) {
+  std::vector<InteriorEdge> edges;
   for (const auto& [key, list] : sides_of(triangles)) {
     if (list.size() != 2 || list[0].from != list[1].to)
       continue;
@@ -70,27 +70,27 @@ namespace {
 
 /// (n_j - n_i) . (x_j - x_i) / 2 along a side from i to j (mm). Its size is limited to the value at the side of a
 /// regular hexagon, because the normals of a crumpled surface do not give its curvature.
-double bulge(int i, int j, const Vectors& x, const Vectors& units) {
+double sagitta_coefficient(int i, int j, const Vectors& x, const Vectors& unit_normals) {
   const Vec3 side = x[j] - x[i];
   const double limit = 0.5 * side.norm();
-  return std::clamp(0.5 * (units[j] - units[i]).dot(side), -limit, limit);
+  return std::clamp(0.5 * (unit_normals[j] - unit_normals[i]).dot(side), -limit, limit);
 }
 
 } // namespace
 
-double sagitta(const Triangle& t, const Vec3& weights, const Vectors& x, const Vectors& units) {
+double sagitta(const Triangle& t, const Vec3& weights, const Vectors& x, const Vectors& unit_normals) {
   double sum = 0;
   for (int k = 0; k < 3; ++k) {
     const int j = (k + 1) % 3;
-    sum += weights[k] * weights[j] * bulge(t[k], t[j], x, units);
+    sum += weights[k] * weights[j] * sagitta_coefficient(t[k], t[j], x, unit_normals);
   }
   return sum;
 }
 
-double largest_sagitta(const Triangle& t, const Vectors& x, const Vectors& units) {
+double largest_sagitta(const Triangle& t, const Vectors& x, const Vectors& unit_normals) {
   double sum = 0;
   for (int k = 0; k < 3; ++k)
-    sum += 0.25 * std::abs(bulge(t[k], t[(k + 1) % 3], x, units));
+    sum += 0.25 * std::abs(sagitta_coefficient(t[k], t[(k + 1) % 3], x, unit_normals));
   return sum;
 }
 

@@ -6,13 +6,13 @@
 namespace vci {
 
 /// An interior edge (e0, e1) and the two triangles beside it, (e0, e1, w0) and (e1, e0, w1), which face the same side.
-struct EdgePair {
+struct InteriorEdge {
   int e0, e1, w0, w1;
   double rest_length; ///< mm
 };
 
 /// Edges with exactly two triangles that face the same side. Boundary and non-manifold edges are left out.
-std::vector<EdgePair> interior_edges(const Triangles& triangles, const Vectors& points);
+std::vector<InteriorEdge> interior_edges(const Triangles& triangles, const Vectors& points);
 
 /// For each vertex whether it lies on an edge that has only one triangle.
 std::vector<char> boundary_vertices(const Triangles& triangles, int vertex_count);
@@ -29,10 +29,10 @@ Vectors vertex_area_vectors(const Triangles& triangles, const Vectors& x, int fi
 /// It is the sum over the sides of w_i w_j (n_j - n_i) . (x_j - x_i) / 2. For the middle of a chord of length l in a
 /// circle of radius R this is l^2 / (8 R). The sagitta is positive if the surface is convex as seen from outside.
 /// @param weights barycentric coordinates of the point
-/// @param units unit normals of the vertices
-double sagitta(const Triangle& t, const Vec3& weights, const Vectors& x, const Vectors& units);
+/// @param unit_normals unit normals of the vertices
+double sagitta(const Triangle& t, const Vec3& weights, const Vectors& x, const Vectors& unit_normals);
 /// An upper bound (mm) for the size of the sagitta at any point of the triangle.
-double largest_sagitta(const Triangle& t, const Vectors& x, const Vectors& units);
+double largest_sagitta(const Triangle& t, const Vectors& x, const Vectors& unit_normals);
 
 /// Winding number of a closed, outward-oriented surface round a point: 1 inside, 0 outside. It is defined even if the
 /// surface intersects itself. Each open end changes it by the share of the full solid angle that the end fills as seen

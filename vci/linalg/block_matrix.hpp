@@ -34,22 +34,22 @@ public:
   BlockMatrix() = default;
   explicit BlockMatrix(BlockPattern pattern);
 
-  int rows() const { return static_cast<int>(start_.size()) - 1; }
+  int rows() const { return static_cast<int>(row_start_.size()) - 1; }
   /// Where the values of block (i, j), i <= j, are stored. Throws std::logic_error if the pattern lacks the block.
   int slot(int i, int j) const;
-  int diagonal_slot(int i) const { return values_of_[diagonal_[i]]; }
-  Mat3& block(int slot) { return values_[slot]; }
-  const Mat3& block(int slot) const { return values_[slot]; }
+  int diagonal_slot(int i) const { return entry_slot_[diagonal_entry_[i]]; }
+  Mat3& block(int slot) { return blocks_[slot]; }
+  const Mat3& block(int slot) const { return blocks_[slot]; }
   /// Block (i, j) of either half.
-  Mat3 at(int i, int j) const { return i <= j ? values_[slot(i, j)] : Mat3(values_[slot(j, i)].transpose()); }
+  Mat3 at(int i, int j) const { return i <= j ? blocks_[slot(i, j)] : Mat3(blocks_[slot(j, i)].transpose()); }
 
   // The pattern of both halves. Its entries are numbered row by row.
-  int entries() const { return static_cast<int>(column_.size()); }
-  int row_start(int i) const { return start_[i]; }
-  int diagonal_entry(int i) const { return diagonal_[i]; }
-  int column(int entry) const { return column_[entry]; }
+  int entries() const { return static_cast<int>(entry_column_.size()); }
+  int row_start(int i) const { return row_start_[i]; }
+  int diagonal_entry(int i) const { return diagonal_entry_[i]; }
+  int column(int entry) const { return entry_column_[entry]; }
   /// Where an entry's values are stored. Below the diagonal these are the values of the transposed block.
-  int slot_of(int entry) const { return values_of_[entry]; }
+  int entry_slot(int entry) const { return entry_slot_[entry]; }
   void set_zero();
   void add(RankOne term) { rank_ones_.push_back(std::move(term)); }
   const std::vector<RankOne>& rank_ones() const { return rank_ones_; }
@@ -58,8 +58,8 @@ public:
 
 private:
   int entry(int i, int j) const;
-  std::vector<int> start_, column_, diagonal_, values_of_;
-  std::vector<Mat3> values_;
+  std::vector<int> row_start_, entry_column_, diagonal_entry_, entry_slot_;
+  std::vector<Mat3> blocks_;
   std::vector<RankOne> rank_ones_;
 };
 

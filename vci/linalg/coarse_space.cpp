@@ -5,9 +5,9 @@ namespace vci {
 namespace {
 
 /// Lower half of a block matrix that is filled in any order.
-class BlockSum {
+class BlockAccumulator {
 public:
-  explicit BlockSum(int rows) : rows_(rows) {}
+  explicit BlockAccumulator(int rows) : rows_(rows) {}
   void add(int i, int j, const Mat3& block) {
     if (j > i)
       return;
@@ -39,12 +39,12 @@ private:
 
 CoarseSpace::CoarseSpace(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
                          const std::vector<char>& fixed, int patch_size) {
-  assign(matrix, fixed, patch_size);
-  BlockSum sum(patches_);
+  assign_patches(matrix, fixed, patch_size);
+  BlockAccumulator sum(patches_);
   for (int i = 0; i < matrix.rows(); ++i)
     for (int k = matrix.diagonal_entry(i); k < matrix.row_start(i + 1); ++k)
       if (const int j = matrix.column(k), p = patch_[i], q = patch_[j]; p >= 0 && q >= 0) {
-        const Mat3& block = matrix.block(matrix.slot_of(k));
+        const Mat3& block = matrix.block(matrix.entry_slot(k));
         sum.add(p, q, block);
         if (j > i)
           sum.add(q, p, block.transpose());
@@ -77,7 +77,7 @@ CoarseSpace::CoarseSpace(const BlockMatrix& matrix, const std::vector<StencilSti
   usable_ = factor_.info() == Eigen::Success;
 }
 
-void CoarseSpace::assign(const BlockMatrix& matrix, const std::vector<char>& fixed, int patch_size) {
+void CoarseSpace::assign_patches(const BlockMatrix& matrix, const std::vector<char>& fixed, int patch_size) {
   patch_.assign(fixed.size(), -1);
   std::vector<int> members;
   for (int seed = 0; seed < matrix.rows(); ++seed) {

@@ -32,7 +32,7 @@ public:
   }
 
 private:
-  void assign(const BlockMatrix& matrix, const std::vector<char>& fixed, int patch_size);
+  void assign_patches(const BlockMatrix& matrix, const std::vector<char>& fixed, int patch_size);
   int patches_ = 0;
   bool usable_ = false;
   std::vector<int> patch_; ///< number of each vertex's patch, -1 for fixed vertices

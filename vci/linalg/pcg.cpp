@@ -32,26 +32,26 @@ template <class Real> class Solver {
 public:
   using Operator = LinearOperator<Real>;
   using Field = typename Operator::Field;
-  using Four = typename Operator::Four;
+  using PaddedVector = typename Operator::PaddedVector;
 
   Solver(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils, const std::vector<char>& fixed,
          const PcgSettings& settings, std::shared_ptr<const CoarseSpace> coarse)
       : settings_(settings), operator_(matrix, stencils, fixed), coarse_(std::move(coarse)) {
     for (const Mat3& m : inverse_diagonal(matrix, stencils, fixed))
-      inverse_.push_back(Operator::padded(settings.plain ? Mat3(Mat3::Identity()) : m));
+      inverse_diagonal_.push_back(Operator::padded(settings.unpreconditioned ? Mat3(Mat3::Identity()) : m));
   }
 
   SolveResult solve(const Field& b, Field& x) const {
     const std::size_t n = b.size();
     Field r = b, z(n), p, q(n);
     const double b_norm = std::sqrt(dot(r, r));
-    x.assign(n, Four::Zero());
+    x.assign(n, PaddedVector::Zero());
     if (b_norm == 0)
       return {true, 0, 0};
     precondition(r, z);
     p = z;
     double rz = dot(r, z), residual = 1;
-    const double rz_wanted = settings_.preconditioned_tolerance * settings_.preconditioned_tolerance * rz;
+    const double rz_target = settings_.preconditioned_tolerance * settings_.preconditioned_tolerance * rz;
     for (int iteration = 1; iteration <= settings_.maximal_iterations; ++iteration) {
       operator_.multiply(p, q);
       const double curvature = dot(p, q);
@@ -68,7 +68,7 @@ public:
       residual = std::sqrt(dot(r, r)) / b_norm;
       precondition(r, z);
       const double rz_new = dot(r, z);
-      if (!(residual > settings_.tolerance) && !(rz_new > rz_wanted))
+      if (!(residual > settings_.tolerance) && !(rz_new > rz_target))
         return {std::isfinite(residual), iteration, residual};
       const Real beta = static_cast<Real>(rz_new / rz);
       rz = rz_new;
@@ -81,7 +81,7 @@ public:
 private:
   /// Scalar product by four running sums. Their fixed order makes the result the same to the last bit in each run.
   static double dot(const Field& a, const Field& b) {
-    Four sum = Four::Zero();
+    PaddedVector sum = PaddedVector::Zero();
     double total = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {
       sum += a[i] * b[i];
@@ -94,54 +94,56 @@ private:
   }
   void precondition(const Field& r, Field& z) const {
     for (std::size_t i = 0; i < r.size(); ++i)
-      z[i] = Operator::product(inverse_[i], r[i]);
+      z[i] = Operator::product(inverse_diagonal_[i], r[i]);
     if (coarse_)
       coarse_->apply(r, z);
   }
 
   PcgSettings settings_;
   Operator operator_;
-  std::vector<typename Operator::Block> inverse_;
+  std::vector<typename Operator::Block> inverse_diagonal_;
   std::shared_ptr<const CoarseSpace> coarse_;
 };
 
 /// The preconditioner's second level; null for none. The one made for an earlier matrix is used again for a few solves,
 /// unless the number of iterations has grown much.
-std::shared_ptr<const CoarseSpace> coarse_space(const BlockMatrix& matrix,
-                                                const std::vector<StencilStiffness>& stencils,
-                                                const std::vector<char>& fixed, int patch_size, PcgMemory& memory) {
-  constexpr int oldest = 5; // solves for which a second level is used
+std::shared_ptr<const CoarseSpace> cached_coarse_space(const BlockMatrix& matrix,
+                                                       const std::vector<StencilStiffness>& stencils,
+                                                       const std::vector<char>& fixed, int patch_size,
+                                                       PreconditionerCache& cache) {
+  constexpr int maximal_age = 5; // solves for which a second level is used
   if (patch_size == 0)
     return {};
-  if (!memory.coarse || memory.age >= oldest || memory.coarse->vertices() != matrix.rows()) {
-    const auto made = std::make_shared<CoarseSpace>(matrix, stencils, fixed, patch_size);
-    memory = {made->usable() ? made : nullptr, 0, 0};
+  if (!cache.coarse || cache.age >= maximal_age || cache.coarse->vertices() != matrix.rows()) {
+    const auto built = std::make_shared<CoarseSpace>(matrix, stencils, fixed, patch_size);
+    cache = {built->usable() ? built : nullptr, 0, 0};
   }
-  return memory.coarse;
+  return cache.coarse;
 }
 
-void remember(int iterations, PcgMemory& memory) {
-  constexpr double worse = 1.3; // a second level is dropped above this multiple of its first solve's iterations, plus 2
-  if (memory.age == 0)
-    memory.first_iterations = iterations;
-  ++memory.age;
-  if (iterations > worse * memory.first_iterations + 2)
-    memory.coarse.reset();
+void record_iterations(int iterations, PreconditionerCache& cache) {
+  // a second level is dropped above this multiple of its first solve's iterations, plus 2
+  constexpr double allowed_growth = 1.3;
+  if (cache.age == 0)
+    cache.first_iterations = iterations;
+  ++cache.age;
+  if (iterations > allowed_growth * cache.first_iterations + 2)
+    cache.coarse.reset();
 }
 
 template <class Real>
-SolveResult solve_in(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
-                     const std::vector<char>& fixed, const Vectors& right_hand_side, Vectors& x,
-                     const PcgSettings& settings, PcgMemory& memory) {
+SolveResult solve_in_precision(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
+                               const std::vector<char>& fixed, const Vectors& right_hand_side, Vectors& x,
+                               const PcgSettings& settings, PreconditionerCache& cache) {
   using Operator = LinearOperator<Real>;
   const Solver<Real> solver(matrix, stencils, fixed, settings,
-                            coarse_space(matrix, stencils, fixed, settings.patch_size, memory));
+                            cached_coarse_space(matrix, stencils, fixed, settings.patch_size, cache));
   typename Operator::Field b, solution;
   b.reserve(right_hand_side.size());
   for (std::size_t i = 0; i < right_hand_side.size(); ++i)
     b.push_back(fixed[i] ? Operator::padded(Vec3(Vec3::Zero())) : Operator::padded(right_hand_side[i]));
   const SolveResult result = solver.solve(b, solution);
-  remember(result.iterations, memory);
+  record_iterations(result.iterations, cache);
   x.resize(b.size());
   for (std::size_t i = 0; i < b.size(); ++i)
     x[i] = solution[i].template head<3>().template cast<double>().matrix();
@@ -152,11 +154,12 @@ SolveResult solve_in(const BlockMatrix& matrix, const std::vector<StencilStiffne
 
 SolveResult solve_pcg(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
                       const std::vector<char>& fixed, const Vectors& right_hand_side, Vectors& x,
-                      const PcgSettings& settings, PcgMemory* memory) {
-  PcgMemory own;
-  PcgMemory& used = memory ? *memory : own;
-  return settings.single_precision ? solve_in<float>(matrix, stencils, fixed, right_hand_side, x, settings, used)
-                                   : solve_in<double>(matrix, stencils, fixed, right_hand_side, x, settings, used);
+                      const PcgSettings& settings, PreconditionerCache* cache) {
+  PreconditionerCache local;
+  PreconditionerCache& kept = cache ? *cache : local;
+  return settings.single_precision
+             ? solve_in_precision<float>(matrix, stencils, fixed, right_hand_side, x, settings, kept)
+             : solve_in_precision<double>(matrix, stencils, fixed, right_hand_side, x, settings, kept);
 }
 
 } // namespace vci

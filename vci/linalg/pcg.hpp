@@ -14,7 +14,7 @@ struct PcgSettings {
   int maximal_iterations = 300;
   int patch_size = 0;            ///< largest number of vertices in a patch of the second level; 0: block Jacobi alone
   bool single_precision = false; ///< iterate in single precision, which suffices for tolerances of 1e-4 and more
-  bool plain = false;            ///< no preconditioner at all
+  bool unpreconditioned = false; ///< no preconditioner at all
   /// A second tolerance, for the residual in the norm of the preconditioner, relative to the first residual. This norm
   /// approximates the energy of the error, while a few vertices deep in contact dominate the plain residual. Both
   /// tolerances must be met.
@@ -22,7 +22,7 @@ struct PcgSettings {
 };
 
 /// The preconditioner's second level, kept from earlier solves for the next ones.
-struct PcgMemory {
+struct PreconditionerCache {
   std::shared_ptr<const CoarseSpace> coarse;
   int age = 0;              ///< number of solves that have used this second level
   int first_iterations = 0; ///< number of iterations of the solve for which it was made
@@ -37,9 +37,9 @@ struct SolveResult {
 /// Solves (A + stencils) x = b with x = 0 at fixed vertices, and returns the solution in x. If a search direction shows
 /// that the matrix is not positive definite, the solver stops with `converged` false. Then x holds the last iterate or,
 /// in the first iteration, the preconditioned right-hand side.
-/// @param memory keeps the preconditioner's second level for the next call while the solves converge well; or null
+/// @param cache keeps the preconditioner's second level for the next call while the solves converge well; or null
 SolveResult solve_pcg(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
                       const std::vector<char>& fixed, const Vectors& right_hand_side, Vectors& x,
-                      const PcgSettings& settings, PcgMemory* memory = nullptr);
+                      const PcgSettings& settings, PreconditionerCache* cache = nullptr);
 
 } // namespace vci

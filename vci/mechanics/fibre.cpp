@@ -26,20 +26,20 @@ void EdgeForce::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffnes
     const double across = exact ? t.force / l : std::max(t.force / l, 0.0);
     Mat3 h = (along - across) * e * e.transpose();
     h.diagonal().array() += across;
-    add_along(*stiffness, k, h);
+    add_edge_stiffness(*stiffness, k, h);
   }
 }
 
-void EdgeForce::add_along(BlockMatrix& matrix, std::size_t k, const Mat3& h) const {
+void EdgeForce::add_edge_stiffness(BlockMatrix& matrix, std::size_t k, const Mat3& h) const {
   slots_[k].add(matrix, [&](int a, int b) -> Mat3 { return a == b ? h : -h; });
 }
 
-void EdgeForce::declare(BlockPattern& pattern) const {
+void EdgeForce::declare_stencils(BlockPattern& pattern) const {
   for (const auto& edge : edges_)
     pattern.add(edge);
 }
 
-void EdgeForce::link(const BlockMatrix& matrix) {
+void EdgeForce::locate_blocks(const BlockMatrix& matrix) {
   slots_.clear();
   for (const auto& edge : edges_)
     slots_.emplace_back(matrix, edge);
@@ -54,12 +54,12 @@ EdgeForce::Tension Fibres::tension(std::size_t k, double length) const {
   const Fibre& f = fibres_[k];
   const double eps = std::log(length / f.rest_length), scale = f.stiffness * f.rest_length;
   Tension t{0.5 * scale * eps * eps, scale * eps / length, scale * (1 - eps) / (length * length)};
-  const double loose = -f.pretension / f.stiffness; // strain at which the tension is 0, to first order
-  if (f.slack && eps < loose) {
-    const double soft = 0.02, excess = eps - loose;
-    const double stress = loose + soft * excess;
-    t = {scale * (0.5 * loose * loose + loose * excess + 0.5 * soft * excess * excess), scale * stress / length,
-         scale * (soft - stress) / (length * length)};
+  const double slack_strain = -f.pretension / f.stiffness; // strain at which the tension is 0, to first order
+  if (f.slack && eps < slack_strain) {
+    const double slack_share = 0.02, excess = eps - slack_strain;
+    const double stress = slack_strain + slack_share * excess;
+    t = {scale * (0.5 * slack_strain * slack_strain + slack_strain * excess + 0.5 * slack_share * excess * excess),
+         scale * stress / length, scale * (slack_share - stress) / (length * length)};
   }
   t.energy += f.pretension * length;
   t.force += f.pretension;

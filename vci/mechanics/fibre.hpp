@@ -9,8 +9,8 @@ class EdgeForce : public Force {
 public:
   double energy(const Vectors& x) const override;
   void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
-  void declare(BlockPattern& pattern) const override;
-  void link(const BlockMatrix& matrix) override;
+  void declare_stencils(BlockPattern& pattern) const override;
+  void locate_blocks(const BlockMatrix& matrix) override;
 
 protected:
   struct Tension {
@@ -21,7 +21,7 @@ protected:
   virtual Tension tension(std::size_t k, double length) const = 0;
   void add_edge(int i, int j) { edges_.push_back({i, j}); }
   /// Adds to the matrix a stiffness h (N/mm) against the relative displacement of the two vertices of edge k.
-  void add_along(BlockMatrix& matrix, std::size_t k, const Mat3& h) const;
+  void add_edge_stiffness(BlockMatrix& matrix, std::size_t k, const Mat3& h) const;
   double length(std::size_t k, const Vectors& x) const { return (x[edges_[k][1]] - x[edges_[k][0]]).norm(); }
 
   std::vector<std::array<int, 2>> edges_;

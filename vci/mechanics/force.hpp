@@ -18,9 +18,9 @@ public:
   /// With `exact` false, negative eigenvalues of the element Hessians are left out, so that the matrix stays positive.
   virtual void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact = false) const = 0;
   /// Declares the pairs of vertices that interact, so that the matrix gets blocks for them.
-  virtual void declare(BlockPattern& pattern) const = 0;
+  virtual void declare_stencils(BlockPattern& pattern) const = 0;
   /// Looks up where the matrix stores the blocks of these pairs.
-  virtual void link(const BlockMatrix& matrix) = 0;
+  virtual void locate_blocks(const BlockMatrix& matrix) = 0;
   /// Adds rate (1/ms) times the damping matrix (N ms/mm) of forces that have one; mass (g) per vertex.
   virtual void add_damping(const Vectors& x, const std::vector<double>& mass, double rate, BlockMatrix& matrix) const {
     (void)x, (void)mass, (void)rate, (void)matrix;

@@ -7,12 +7,12 @@ namespace vci {
 namespace {
 
 // After plastic flow the elastic strain equals the yield strain up to this relative error.
-constexpr double rounding = 1e-9;
+constexpr double yield_rounding = 1e-9;
 
 } // namespace
 
-HenckyLaw::Response HenckyLaw::response_at(const Vec2& square, bool flows) const {
-  const Vec2 log_strain = at_depth(square);
+HenckyLaw::Response HenckyLaw::response_at(const Vec2& squared_stretch, bool flowed) const {
+  const Vec2 log_strain = layer_strain(squared_stretch);
   const double c = 1.0 / (1.0 - poisson_ratio * poisson_ratio);
   Mat2 d;
   d << c, c * poisson_ratio, c * poisson_ratio, c;
@@ -21,7 +21,7 @@ HenckyLaw::Response HenckyLaw::response_at(const Vec2& square, bool flows) const
   const double w = std::sqrt(w2);
   Response r;
   r.strain = w;
-  r.yields = w > yield_strain * (1 + (flows ? -rounding : rounding));
+  r.yields = w > yield_strain * (1 + (flowed ? -yield_rounding : yield_rounding));
   double phi, dphi_over_w; // the second is (dphi/dw) / w
   if (r.yields) {
     const double excess = w - yield_strain;
@@ -37,7 +37,8 @@ HenckyLaw::Response HenckyLaw::response_at(const Vec2& square, bool flows) const
   r.stress = stiffness * phi * d_eps;
   r.tangent = stiffness * (phi * d + dphi_over_w * d_eps * d_eps.transpose());
   if (depth > 0) {
-    const Eigen::Array2d share = square.array() / (square.array() + depth); // d at_depth / d lumen_strain
+    const Eigen::Array2d share =
+        squared_stretch.array() / (squared_stretch.array() + depth); // d layer_strain / d lumen_strain
     r.tangent = (r.tangent.array() * (share.matrix() * share.matrix().transpose()).array()).matrix();
     r.tangent.diagonal().array() += r.stress.array() * 2 * share * (1 - share);
     r.stress.array() *= share;
@@ -46,19 +47,19 @@ HenckyLaw::Response HenckyLaw::response_at(const Vec2& square, bool flows) const
 }
 
 Vec2 HenckyLaw::flow(const Vec2& lumen_strain) {
-  const Vec2 square = (2 * lumen_strain).array().exp(), layer = at_depth(square);
-  const double w = response_at(square).strain;
+  const Vec2 squared_stretch = (2 * lumen_strain).array().exp(), layer = layer_strain(squared_stretch);
+  const double w = response_at(squared_stretch).strain;
   if (w <= yield_strain)
     return Vec2::Zero();
   // The elastic part of the layer's strain is the one that gives the stress at yield. The rest stays after unloading.
-  const Vec2 elastic = elastic_part(w) / w * layer, lasting = layer - elastic;
+  const Vec2 elastic = elastic_part(w) / w * layer, permanent = layer - elastic;
   yield_strain = elastic_part(w);
   if (depth == 0)
-    return lasting;
+    return permanent;
   // `depth` is relative to the lumen's radius. If the lumen has widened permanently, the layer's depth falls; if the
   // lumen has narrowed, the depth is kept. The lumen's elastic strain then follows from the layer's strain at the new
   // depth. The stress in the direction that widened more stays the same.
-  const double widened = lasting.maxCoeff() > 0 ? std::exp(2 * lasting.maxCoeff()) * (1 + depth) - depth : 1;
+  const double widened = permanent.maxCoeff() > 0 ? std::exp(2 * permanent.maxCoeff()) * (1 + depth) - depth : 1;
   depth /= widened;
   return lumen_strain - Vec2(0.5 * ((2 * elastic).array().exp() * (1 + depth) - depth).log());
 }

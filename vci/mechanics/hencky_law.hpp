@@ -31,12 +31,14 @@ struct HenckyLaw {
     double strain; ///< w, by the layer's strain
     bool yields;
   };
-  /// @param square squared principal stretches of the lumen
-  /// @param flows whether the last step made plastic strain permanent. The elastic strain then equals the yield strain
+  /// @param squared_stretch squared principal stretches of the lumen
+  /// @param flowed whether the last step made plastic strain permanent. The elastic strain then equals the yield strain
   /// up to rounding. This flag, not rounding, decides the tangent there: plastic if true, else elastic.
-  Response response_at(const Vec2& square, bool flows = false) const;
+  Response response_at(const Vec2& squared_stretch, bool flowed = false) const;
   Response response(const Vec2& log_strain) const { return response_at((2 * log_strain).array().exp()); }
-  bool yields_at(const Vec2& square) const { return strain_squared(at_depth(square)) > yield_strain * yield_strain; }
+  bool yields_at(const Vec2& squared_stretch) const {
+    return strain_squared(layer_strain(squared_stretch)) > yield_strain * yield_strain;
+  }
   /// The part of w that is elastic once the layer yields. Times E it gives the equivalent stress.
   double elastic_part(double w) const { return yield_strain + hardening * (w - yield_strain); }
   /// Lets the layer yield and harden at a logarithmic strain of the lumen. Returns the part of that strain that stays.
@@ -48,8 +50,10 @@ private:
   double strain_squared(const Vec2& e) const {
     return (e.squaredNorm() + 2 * poisson_ratio * e[0] * e[1]) / (1.0 - poisson_ratio * poisson_ratio);
   }
-  /// The layer's logarithmic strain. @param square squared principal stretches of the lumen
-  Vec2 at_depth(const Vec2& square) const { return 0.5 * ((square.array() + depth) / (1 + depth)).log(); }
+  /// The layer's logarithmic strain. @param squared_stretch squared principal stretches of the lumen
+  Vec2 layer_strain(const Vec2& squared_stretch) const {
+    return 0.5 * ((squared_stretch.array() + depth) / (1 + depth)).log();
+  }
 };
 
 } // namespace vci

@@ -26,15 +26,16 @@ template <class Element> Dihedral dihedral_of(const Element& e, const Vectors& x
 }
 
 /// The angle (rad) brought into the range from -pi to pi by whole turns.
-double wrapped(double angle) {
+double wrapped_angle(double angle) {
   return std::abs(angle) <= pi ? angle : std::remainder(angle, 2 * pi);
 }
 
 } // namespace
 
-std::vector<double> shell_coefficients(const std::vector<EdgePair>& edges, const Vectors& reference, double rigidity) {
+std::vector<double> shell_coefficients(const std::vector<InteriorEdge>& edges, const Vectors& reference,
+                                       double rigidity) {
   std::vector<double> coefficients;
-  for (const EdgePair& edge : edges) {
+  for (const InteriorEdge& edge : edges) {
     const double area = area_vector({edge.e0, edge.e1, edge.w0}, reference).norm() +
                         area_vector({edge.e1, edge.e0, edge.w1}, reference).norm();
     coefficients.push_back(3.0 * rigidity * edge.rest_length * edge.rest_length / area);
@@ -42,8 +43,8 @@ std::vector<double> shell_coefficients(const std::vector<EdgePair>& edges, const
   return coefficients;
 }
 
-Hinges::Hinges(const std::vector<EdgePair>& edges, const Vectors& reference, const std::vector<double>& coefficients,
-               double yield_angle)
+Hinges::Hinges(const std::vector<InteriorEdge>& edges, const Vectors& reference,
+               const std::vector<double>& coefficients, double yield_angle)
     : yield_angle_(yield_angle) {
   for (std::size_t k = 0; k < edges.size(); ++k) {
     Element e{{edges[k].e0, edges[k].e1, edges[k].w0, edges[k].w1}, {}, coefficients[k], 0};
@@ -55,7 +56,7 @@ Hinges::Hinges(const std::vector<EdgePair>& edges, const Vectors& reference, con
 double Hinges::energy(const Vectors& x) const {
   double sum = 0;
   for (const Element& e : elements_) {
-    const double bend = wrapped(dihedral_of(e, x).angle - e.rest_angle);
+    const double bend = wrapped_angle(dihedral_of(e, x).angle - e.rest_angle);
     sum += 0.5 * e.coefficient * bend * bend;
   }
   return sum;
@@ -64,7 +65,7 @@ double Hinges::energy(const Vectors& x) const {
 void Hinges::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool) const {
   for (const Element& e : elements_) {
     const Dihedral d = dihedral_of(e, x);
-    const double bend = wrapped(d.angle - e.rest_angle);
+    const double bend = wrapped_angle(d.angle - e.rest_angle);
     for (int a = 0; a < 4; ++a)
       force[e.v[a]] -= e.coefficient * bend * d.gradient[a];
     if (stiffness)
@@ -72,12 +73,12 @@ void Hinges::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, 
   }
 }
 
-void Hinges::declare(BlockPattern& pattern) const {
+void Hinges::declare_stencils(BlockPattern& pattern) const {
   for (const Element& e : elements_)
     pattern.add(e.v);
 }
 
-void Hinges::link(const BlockMatrix& matrix) {
+void Hinges::locate_blocks(const BlockMatrix& matrix) {
   for (Element& e : elements_)
     e.slots = {matrix, e.v};
 }
@@ -86,9 +87,9 @@ void Hinges::commit(const Vectors& x) {
   if (yield_angle_ >= pi)
     return;
   for (Element& e : elements_) {
-    const double bend = wrapped(dihedral_of(e, x).angle - e.rest_angle);
+    const double bend = wrapped_angle(dihedral_of(e, x).angle - e.rest_angle);
     if (std::abs(bend) > yield_angle_)
-      e.rest_angle = wrapped(e.rest_angle + bend - std::copysign(yield_angle_, bend));
+      e.rest_angle = wrapped_angle(e.rest_angle + bend - std::copysign(yield_angle_, bend));
   }
 }
 

@@ -13,13 +13,13 @@ public:
   /// @param coefficients c of each edge, N mm
   /// @param reference positions (mm) at which all edges have their rest angles
   /// @param yield_angle rad: an edge bent by more keeps a plastic fold; pi or more: no plastic folds
-  Hinges(const std::vector<EdgePair>& edges, const Vectors& reference, const std::vector<double>& coefficients,
+  Hinges(const std::vector<InteriorEdge>& edges, const Vectors& reference, const std::vector<double>& coefficients,
          double yield_angle);
 
   double energy(const Vectors& x) const override;
   void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
-  void declare(BlockPattern& pattern) const override;
-  void link(const BlockMatrix& matrix) override;
+  void declare_stencils(BlockPattern& pattern) const override;
+  void locate_blocks(const BlockMatrix& matrix) override;
   void commit(const Vectors& x) override;
 
 private:
@@ -34,7 +34,8 @@ private:
 
 /// Coefficient c (N mm) of each edge for a shell of bending rigidity D (N mm): c = 3 D l^2 / (A1 + A2). Here l is the
 /// edge's reference length, and A1 and A2 are the areas of the triangles beside it.
-std::vector<double> shell_coefficients(const std::vector<EdgePair>& edges, const Vectors& reference, double rigidity);
+std::vector<double> shell_coefficients(const std::vector<InteriorEdge>& edges, const Vectors& reference,
+                                       double rigidity);
 
 /// Signed dihedral angle (rad; 0 flat, positive when the surface is convex towards its normals) and its gradient.
 struct Dihedral {

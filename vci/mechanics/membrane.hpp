@@ -18,23 +18,23 @@ public:
 
   double energy(const Vectors& x) const override;
   void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
-  void declare(BlockPattern& pattern) const override;
-  void link(const BlockMatrix& matrix) override;
+  void declare_stencils(BlockPattern& pattern) const override;
+  void locate_blocks(const BlockMatrix& matrix) override;
   void commit(const Vectors& x) override;
 
   /// Number of triangles that yield at positions x.
-  int yielding(const Vectors& x) const;
+  int count_yielding(const Vectors& x) const;
   std::vector<double> largest_stretch(const Vectors& x) const override;
 
 private:
   struct Element {
     Triangle v;
     StencilSlots<3> slots;
-    Mat2 inverse_edges; // B
-    Mat2 shape;         // B P
-    double area;        // of the reference triangle, mm^2
+    Mat2 inverse_edges;         // B
+    Mat2 elastic_inverse_edges; // B P
+    double area;                // of the reference triangle, mm^2
     HenckyLaw law;
-    bool flows = false; // whether the last step made plastic strain permanent
+    bool flowed = false; // whether the last step made plastic strain permanent
   };
   std::vector<Element> elements_;
 };

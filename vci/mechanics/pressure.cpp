@@ -32,14 +32,14 @@ void Pressure::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness
   }
 }
 
-void Pressure::declare(BlockPattern& pattern) const {
-  for (const EdgePair& e : edges_)
+void Pressure::declare_stencils(BlockPattern& pattern) const {
+  for (const InteriorEdge& e : edges_)
     pattern.add(std::array<int, 2>{e.e0, e.e1});
 }
 
-void Pressure::link(const BlockMatrix& matrix) {
+void Pressure::locate_blocks(const BlockMatrix& matrix) {
   slots_.clear();
-  for (const EdgePair& e : edges_)
+  for (const InteriorEdge& e : edges_)
     slots_.push_back(matrix.slot(std::min(e.e0, e.e1), std::max(e.e0, e.e1)));
 }
 

@@ -19,12 +19,12 @@ public:
   void set(double pressure_mpa) { pressure_ = pressure_mpa; }
   double energy(const Vectors& x) const override;
   void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
-  void declare(BlockPattern& pattern) const override;
-  void link(const BlockMatrix& matrix) override;
+  void declare_stencils(BlockPattern& pattern) const override;
+  void locate_blocks(const BlockMatrix& matrix) override;
 
 private:
   Triangles triangles_;
-  std::vector<EdgePair> edges_;
+  std::vector<InteriorEdge> edges_;
   std::vector<int> slots_; // where the matrix stores each edge's block, (e0, e1) or (e1, e0)
   double pressure_;
 };

@@ -21,31 +21,31 @@ int System::add_body(const std::string& name, const Vectors& positions, Triangle
   for (double a : areas)
     mass.push_back(a * surface_density);
   bodies_.push_back({name, first, count, std::move(triangles), boundary});
-  linked_ = false;
+  blocks_located_ = false;
   return bodies() - 1;
 }
 
 void System::remove_last_body() {
   const int last = bodies() - 1, first = bodies_[last].first;
-  std::erase_if(forces_, [&](const Entry& e) { return e.body == last; });
+  std::erase_if(forces_, [&](const BodyForce& e) { return e.body == last; });
   bodies_.pop_back();
   x.resize(first);
   velocity.resize(first);
   mass.resize(first);
   area.resize(first);
   fixed.resize(first);
-  linked_ = false;
+  blocks_located_ = false;
 }
 
 BlockMatrix& System::matrix() {
-  if (!linked_) {
+  if (!blocks_located_) {
     BlockPattern pattern(vertices());
-    for (const Entry& e : forces_)
-      e.force->declare(pattern);
+    for (const BodyForce& e : forces_)
+      e.force->declare_stencils(pattern);
     matrix_ = BlockMatrix(std::move(pattern));
-    for (const Entry& e : forces_)
-      e.force->link(matrix_);
-    linked_ = true;
+    for (const BodyForce& e : forces_)
+      e.force->locate_blocks(matrix_);
+    blocks_located_ = true;
   }
   return matrix_;
 }
@@ -56,7 +56,7 @@ void System::evaluate(Vectors& elastic, Vectors& foundation, Vectors& pressure, 
     stiffness->set_zero();
   for (Vectors* f : {&elastic, &foundation, &pressure})
     f->assign(x.size(), Vec3::Zero());
-  for (const Entry& e : forces_) {
+  for (const BodyForce& e : forces_) {
     const ForceKind kind = e.force->kind();
     Vectors& sum = kind == ForceKind::elastic ? elastic : kind == ForceKind::foundation ? foundation : pressure;
     e.force->evaluate(x, sum, stiffness, false);
@@ -64,12 +64,12 @@ void System::evaluate(Vectors& elastic, Vectors& foundation, Vectors& pressure, 
 }
 
 void System::add_damping(double rate) {
-  for (const Entry& e : forces_)
+  for (const BodyForce& e : forces_)
     e.force->add_damping(x, mass, rate, matrix());
 }
 
 void System::commit() {
-  for (const Entry& e : forces_)
+  for (const BodyForce& e : forces_)
     e.force->commit(x);
 }
 

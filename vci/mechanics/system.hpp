@@ -25,7 +25,7 @@ public:
   template <class F> F& add_force(int body, std::unique_ptr<F> force) {
     F& reference = *force;
     forces_.push_back({body, std::move(force)});
-    linked_ = false;
+    blocks_located_ = false;
     return reference; // cppcheck-suppress returnReference ; the force lives in forces_
   }
   /// Takes out the last body, its vertices and its forces.
@@ -51,14 +51,14 @@ public:
   std::vector<char> fixed;  ///< whether a vertex is held in place
 
 private:
-  struct Entry {
+  struct BodyForce {
     int body;
     std::unique_ptr<Force> force;
   };
   std::vector<Body> bodies_;
-  std::vector<Entry> forces_;
+  std::vector<BodyForce> forces_;
   BlockMatrix matrix_;
-  bool linked_ = false;
+  bool blocks_located_ = false;
 };
 
 } // namespace vci

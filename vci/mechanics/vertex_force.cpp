@@ -2,12 +2,12 @@
 
 namespace vci {
 
-void VertexForce::declare(BlockPattern& pattern) const {
+void VertexForce::declare_stencils(BlockPattern& pattern) const {
   for (int v : vertices_)
     pattern.add(std::array<int, 1>{v});
 }
 
-void VertexForce::link(const BlockMatrix& matrix) {
+void VertexForce::locate_blocks(const BlockMatrix& matrix) {
   slots_.clear();
   for (int v : vertices_)
     slots_.push_back(matrix.diagonal_slot(v));
@@ -29,14 +29,14 @@ Anchors::Anchors(std::vector<Element> elements) : VertexForce(vertices_of(elemen
 double Anchors::energy(const Vectors& x) const {
   double sum = 0;
   for (const Element& e : elements_)
-    sum += 0.5 * e.stiffness * (x[e.vertex] - e.place).squaredNorm();
+    sum += 0.5 * e.stiffness * (x[e.vertex] - e.rest_position).squaredNorm();
   return sum;
 }
 
 void Anchors::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool) const {
   for (std::size_t k = 0; k < elements_.size(); ++k) {
     const Element& e = elements_[k];
-    force[e.vertex] -= e.stiffness * (x[e.vertex] - e.place);
+    force[e.vertex] -= e.stiffness * (x[e.vertex] - e.rest_position);
     if (stiffness)
       stiffness->block(slots_[k]).diagonal().array() += e.stiffness;
   }

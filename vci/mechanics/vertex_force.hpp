@@ -7,8 +7,8 @@ namespace vci {
 /// Forces on single vertices; their stiffness has only diagonal blocks.
 class VertexForce : public Force {
 public:
-  void declare(BlockPattern& pattern) const override;
-  void link(const BlockMatrix& matrix) override;
+  void declare_stencils(BlockPattern& pattern) const override;
+  void locate_blocks(const BlockMatrix& matrix) override;
 
 protected:
   explicit VertexForce(std::vector<int> vertices) : vertices_(std::move(vertices)) {}
@@ -20,8 +20,8 @@ class Anchors : public VertexForce {
 public:
   struct Element {
     int vertex;
-    Vec3 place;       ///< where the spring is at rest, mm
-    double stiffness; ///< N/mm
+    Vec3 rest_position; ///< where the spring is at rest, mm
+    double stiffness;   ///< N/mm
   };
   explicit Anchors(std::vector<Element> elements);
 

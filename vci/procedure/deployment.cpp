@@ -26,21 +26,22 @@ std::string progress_line(const StageReport& stage, const System& system) {
   std::ostringstream line;
   line << stage.step << " / " << stage.stage << ": " << r.steps << " steps, " << r.cg_iterations
        << " cg iterations, residual " << r.residual << ", " << r.contacts << " contacts, penetration "
-       << r.mean_penetration << " mean " << r.maximal_penetration << " max mm" << deepest_place(r, system)
+       << r.mean_penetration << " mean " << r.maximal_penetration << " max mm" << describe_deepest(r, system)
        << (r.careful_from < 0 ? "" : ", with care from step " + std::to_string(r.careful_from)) << ", " << stage.seconds
        << " s";
   return line.str();
 }
 
-[[noreturn]] void refuse(const RunState& run, const std::string& where, const Stage& stage, const RelaxResult& r) {
+[[noreturn]] void throw_failed_stage(const RunState& run, const std::string& where, const Stage& stage,
+                                     const RelaxResult& r) {
   if (!stage.with_balloons && r.contacts == 0 && !run.stents.empty() && run.interactions.ties.empty())
     throw common::ComputationError("a stent touches nothing once its balloon is out", where, "0 contacts",
                                    "choose a larger stent or raise its pressure_bar: it is smaller than the lumen");
-  throw no_balance(where, r, run.scene.numerics.integrator, run.system);
+  throw convergence_error(where, r, run.scene.numerics.integrator, run.system);
 }
 
 /// Sets pressures, balloons and ties for a stage before it is relaxed; returns the solver's settings for it.
-IntegratorSettings prepare(RunState& run, const Step& step, const Stage& stage) {
+IntegratorSettings prepare_stage(RunState& run, const Step& step, const Stage& stage) {
   if (!stage.with_balloons)
     remove_balloons(run);
   for (std::size_t k = 0; k < run.balloons.size(); ++k)
@@ -50,7 +51,8 @@ IntegratorSettings prepare(RunState& run, const Step& step, const Stage& stage) 
     run.interactions.ties.clear();
   IntegratorSettings settings = run.scene.numerics.integrator;
   for (std::size_t k = 0; k < run.balloons.size(); ++k)
-    settings = with_folds(settings, run.scene.balloon(step.devices[k].device), stage.pressure_fraction < 1);
+    settings =
+        folded_balloon_settings(settings, run.scene.balloon(step.devices[k].device), stage.pressure_fraction < 1);
   return settings;
 }
 
@@ -61,15 +63,15 @@ std::vector<double> malapposition_on_lumen(const RunState& run) {
   const std::vector<double> gaps = malapposition(run.system, bodies);
   std::vector<double> all(run.lumen.points.size(), 0.0);
   for (std::size_t i = 0; i < gaps.size(); ++i)
-    all[run.wall.vertex[i]] = gaps[i];
+    all[run.wall.lumen_vertex[i]] = gaps[i];
   return all;
 }
 
 std::vector<double> stretch_on_lumen(const RunState& run) {
   std::vector<double> all(run.lumen.points.size(), 1.0);
   const std::vector<double> stretch = vertex_stretch(*run.wall.intima, run.system.body(0).triangles, run.system.x);
-  for (std::size_t i = 0; i < run.wall.vertex.size(); ++i)
-    all[run.wall.vertex[i]] = stretch[i];
+  for (std::size_t i = 0; i < run.wall.lumen_vertex.size(); ++i)
+    all[run.wall.lumen_vertex[i]] = stretch[i];
   return all;
 }
 
@@ -79,8 +81,8 @@ class Deployment::Run {
 public:
   Run(Scene scene, Lumen lumen, std::map<std::string, Path> paths, Observer observer)
       : state(std::move(scene), std::move(lumen), std::move(paths)), observer_(std::move(observer)) {
-    const std::size_t moving = state.wall.vertex.size(), all = state.lumen.points.size();
-    switched_off_ = left_out(state.scene, all - moving, all);
+    const std::size_t moving = state.wall.lumen_vertex.size(), all = state.lumen.points.size();
+    switched_off_ = switched_off_parts(state.scene, all - moving, all);
     for (const std::string& line : switched_off_)
       log("switched off: " + line);
     for (const std::string& warning : warnings_of_plan(state.scene))
@@ -108,22 +110,22 @@ public:
 
   DeploymentResult result() {
     DeploymentResult r;
-    r.points = state.lumen_now();
+    r.points = state.current_lumen();
     for (const auto& [name, path] : state.paths)
       r.paths[name] = follow_wall(path, state.lumen, r.points);
     // checked only at the end, because a stent that touches nothing may still be dilated by a later step
-    check_supported(state.system, state.interactions, state.stents, r.points, state.lumen.triangles, r.paths);
+    check_stents_supported(state.system, state.interactions, state.stents, r.points, state.lumen.triangles, r.paths);
     r.stages = stages;
     r.stents = state.stents;
-    r.devices = balloons_;
+    r.devices = balloon_shapes_;
     for (const StentHistory& h : state.stents)
       r.devices.push_back(shape_of(state, h.stent.body, h.device, state.balance));
     r.switched_off = switched_off_;
     r.warnings = warnings_;
     r.wall_stretch = stretch_on_lumen(state);
     r.malapposition = malapposition_on_lumen(state);
-    r.forces = on_lumen(state, state.balance);
-    r.vertices = static_cast<int>(state.wall.vertex.size());
+    r.forces = forces_on_lumen(state, state.balance);
+    r.vertices = static_cast<int>(state.wall.lumen_vertex.size());
     return r;
   }
 
@@ -144,16 +146,17 @@ private:
 
   void relax_stage(const Step& step, const Stage& stage) {
     const auto start = std::chrono::steady_clock::now();
-    const IntegratorSettings settings = prepare(state, step, stage);
+    const IntegratorSettings settings = prepare_stage(state, step, stage);
     const RelaxResult r =
         (settings.textbook ? relax_textbook : relax)(state.system, state.interactions, settings, &state.balance);
     stages.push_back({step.name, stage.name, seconds_since(start), r});
     log(progress_line(stages.back(), state.system));
     const std::string where = step.name + " / " + stage.name;
     if (!r.converged)
-      refuse(state, where, stage, r);
+      throw_failed_stage(state, where, stage, r);
     if (!settings.textbook) // states of the textbook scheme are reported unchecked
-      check_inside(state.system, *state.interactions.trees, state.lumen_now(), state.lumen.triangles, where);
+      check_devices_inside(state.system, *state.interactions.trees, state.current_lumen(), state.lumen.triangles,
+                           where);
     after_balance(stage, step);
     if (observer_.see)
       observer_.see(snapshot_of(state, static_cast<int>(stages.size()), r.steps, state.balance));
@@ -164,26 +167,26 @@ private:
       tie_stents(state);
     for (StentHistory& h : state.stents)
       if (!stage.with_balloons)
-        note_extraction(h, state.system);
+        record_extraction(h, state.system);
       else if (stage.pressure_fraction == 1.0) {
-        note_inflation(h, state.system, contacts_onto(state, h.stent.body, false));
-        if (const auto warning = overexpansion(state.system, h, state.scene.stents.at(h.device), step.name))
+        record_inflation(h, state.system, contacts_on_body(state, h.stent.body, false));
+        if (const auto warning = overexpansion_warning(state.system, h, state.scene.stents.at(h.device), step.name))
           warn(*warning);
       }
     if (stage.pressure_fraction == 1.0)
-      keep_balloons(step.name + "_balloon");
+      store_balloon_shapes(step.name + "_balloon");
   }
 
-  void keep_balloons(const std::string& name) {
+  void store_balloon_shapes(const std::string& name) {
     const bool several = state.balloons.size() > 1;
     for (std::size_t k = 0; k < state.balloons.size(); ++k)
-      balloons_.push_back(
+      balloon_shapes_.push_back(
           shape_of(state, state.balloons[k].body, name + (several ? std::to_string(k + 1) : ""), state.balance));
   }
 
   Observer observer_;
   std::vector<std::string> switched_off_, warnings_;
-  std::vector<DeviceShape> balloons_; ///< the inflated balloons of all steps that have run
+  std::vector<DeviceShape> balloon_shapes_; ///< the inflated balloons of all steps that have run
   bool failed_ = false;
 };
 
@@ -206,7 +209,7 @@ void Deployment::step() {
 }
 
 Vectors Deployment::lumen() const {
-  return run_->state.lumen_now();
+  return run_->state.current_lumen();
 }
 
 Snapshot Deployment::snapshot() const {

@@ -8,14 +8,14 @@ namespace vci {
 
 namespace {
 
-constexpr double thinnest_balloon = 0.04; // mm: least starting radius of a balloon's ring inside a stent
+constexpr double least_balloon_radius = 0.04; // mm: least starting radius of a balloon's ring inside a stent
 // A ring of a balloon inside its stent starts with at most this share of the stent's smallest radius, less a clearance.
-constexpr double inside_its_stent = 0.9;
+constexpr double stent_radius_share = 0.9;
 
 /// The rings of a device at its place on the axis of the deformed lumen. @param moved current lumen points, mm
 DeviceLayout layout_of(const RunState& run, const Placement& p, RingGrid grid, const Vectors& moved) {
   const Path path = follow_wall(run.paths.at(p.branch), run.lumen, moved);
-  std::vector<Frame> frames = path.frames(grid.along(p.centre_s));
+  std::vector<Frame> frames = path.frames(grid.ring_arc_lengths(p.centre_s));
   const BalloonSpec& balloon = run.scene.balloon(p.device);
   const BalloonChart chart(balloon.chart_pressure_bar, balloon.chart_diameter, balloon.crimped_diameter);
   return {std::move(grid), std::move(frames), 0.5 * chart.diameter_at(p.pressure_bar)};
@@ -23,27 +23,27 @@ DeviceLayout layout_of(const RunState& run, const Placement& p, RingGrid grid, c
 
 /// For each body in the system, the vertices excluded from contact with a new device. Vertices are excluded where the
 /// device leaves a stent through its side.
-std::vector<ContactSides> sides_of(const RunState& run, const DeviceLayout& layout) {
-  std::vector<ContactSides> sides(run.system.bodies());
+std::vector<ContactScope> contact_scopes(const RunState& run, const DeviceLayout& layout) {
+  std::vector<ContactScope> scopes(run.system.bodies());
   for (const StentHistory& h : run.stents)
-    sides[h.stent.body] = leaving_through(run.system, h.stent, layout);
-  return sides;
+    scopes[h.stent.body] = exclude_side_exit(run.system, h.stent, layout);
+  return scopes;
 }
 
-void add_contacts(RunState& run, int inner, std::vector<ContactSides> sides) {
-  for (std::size_t body = 0; body < sides.size(); ++body)
+void add_contacts(RunState& run, int inner, std::vector<ContactScope> scopes) {
+  for (std::size_t body = 0; body < scopes.size(); ++body)
     run.interactions.contacts.emplace_back(inner, static_cast<int>(body), run.scene.numerics.contact,
-                                           std::move(sides[body]), run.interactions.trees);
+                                           std::move(scopes[body]), run.interactions.trees);
 }
 
 /// Adds a stent and its contacts to the system. Returns the radius (mm) of the stent's thinnest ring.
 double place_stent(RunState& run, const Placement& p, const Vectors& moved) {
   const StentSpec& spec = *run.scene.stent(p.device);
   const DeviceLayout layout = layout_of(run, p, stent_grid(spec, run.scene.numerics.device_edge), moved);
-  std::vector<ContactSides> sides = sides_of(run, layout);
-  const std::vector<double> radii = start_radii(run.system, layout, spec.crimped_diameter, sides);
+  std::vector<ContactScope> scopes = contact_scopes(run, layout);
+  const std::vector<double> radii = start_radii(run.system, layout, spec.crimped_diameter, scopes);
   Stent stent = add_stent(run.system, spec, p.device, layout.grid, layout.frames, radii);
-  add_contacts(run, stent.body, std::move(sides));
+  add_contacts(run, stent.body, std::move(scopes));
   run.stents.push_back({p.device, p.branch, p.centre_s, std::move(stent)});
   return *std::min_element(radii.begin(), radii.end());
 }
@@ -63,50 +63,50 @@ std::vector<DeviceLayout> balloon_layouts(const RunState& run, const Step& step,
 }
 
 void place_balloon(RunState& run, const BalloonSpec& spec, const DeviceLayout& layout, const std::vector<double>& radii,
-                   std::vector<ContactSides> sides) {
+                   std::vector<ContactScope> scopes) {
   const ContactSettings& contact = run.scene.numerics.contact;
   run.balloons.push_back(add_balloon(run.system, spec, layout.grid, layout.frames, radii));
   const Balloon& balloon = run.balloons.back();
-  add_contacts(run, balloon.body, std::move(sides));
-  add_layers(run.interactions, run.system, balloon, spec, contact);
+  add_contacts(run, balloon.body, std::move(scopes));
+  add_layer_contacts(run.interactions, run.system, balloon, spec, contact);
   for (std::size_t other = 0; other + 1 < run.balloons.size(); ++other)
-    run.interactions.contacts.emplace_back(balloon.body, run.balloons[other].body, contact, ContactSides{false, {}, {}},
+    run.interactions.contacts.emplace_back(balloon.body, run.balloons[other].body, contact, ContactScope{false, {}, {}},
                                            run.interactions.trees);
 }
 
 } // namespace
 
 void place_devices(RunState& run, const Step& step) {
-  const Vectors moved = run.lumen_now();
+  const Vectors moved = run.current_lumen();
   run.balloons.clear();
   const std::vector<DeviceLayout> layouts = balloon_layouts(run, step, moved);
   // stents first: balloons are taken out at the end of the step and must be the last bodies
-  std::vector<std::vector<ContactSides>> sides;
+  std::vector<std::vector<ContactScope>> scopes;
   std::vector<std::vector<double>> radii;
   for (std::size_t k = 0; k < layouts.size(); ++k) {
     const Placement& p = step.devices[k];
-    sides.push_back(sides_of(run, layouts[k]));
-    radii.push_back(start_radii(run.system, layouts[k], run.scene.balloon(p.device).crimped_diameter, sides[k]));
+    scopes.push_back(contact_scopes(run, layouts[k]));
+    radii.push_back(start_radii(run.system, layouts[k], run.scene.balloon(p.device).crimped_diameter, scopes[k]));
     if (!run.scene.stent(p.device))
       continue;
-    const double thinnest = place_stent(run, p, moved);
-    sides[k].emplace_back(); // no exclusions: the whole balloon is inside its stent
+    const double stent_radius = place_stent(run, p, moved);
+    scopes[k].emplace_back(); // no exclusions: the whole balloon is inside its stent
     for (double& r : radii[k])
-      r = std::max(thinnest_balloon, std::min(r, inside_its_stent * thinnest - start_clearance));
+      r = std::max(least_balloon_radius, std::min(r, stent_radius_share * stent_radius - start_clearance));
   }
   for (std::size_t k = 0; k < layouts.size(); ++k)
-    place_balloon(run, run.scene.balloon(step.devices[k].device), layouts[k], radii[k], std::move(sides[k]));
+    place_balloon(run, run.scene.balloon(step.devices[k].device), layouts[k], radii[k], std::move(scopes[k]));
 }
 
 void remove_balloons(RunState& run) {
   while (!run.balloons.empty()) {
-    run.interactions.forget(run.balloons.back().body);
+    run.interactions.remove_body(run.balloons.back().body);
     run.system.remove_last_body();
     run.balloons.pop_back();
   }
 }
 
-std::vector<ContactPoint> contacts_onto(RunState& run, int outer, bool of_stents) {
+std::vector<ContactPoint> contacts_on_body(RunState& run, int outer, bool of_stents) {
   const Normals normals(area_vectors(run.system));
   std::vector<ContactPoint> points;
   for (SurfaceContact& contact : run.interactions.contacts)
@@ -118,8 +118,8 @@ std::vector<ContactPoint> contacts_onto(RunState& run, int outer, bool of_stents
 void tie_stents(RunState& run) {
   const double stiffness = run.scene.numerics.tie_stiffness;
   if (stiffness > 0) // otherwise contact alone holds the stents
-    for (const ContactPoint& p : contacts_onto(run, 0, true))
-      run.interactions.ties.push_back(tie_of(p, run.system.x, stiffness));
+    for (const ContactPoint& p : contacts_on_body(run, 0, true))
+      run.interactions.ties.push_back(make_tie(p, run.system.x, stiffness));
 }
 
 } // namespace vci

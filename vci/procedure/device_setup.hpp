@@ -12,7 +12,7 @@ void remove_balloons(RunState& run);
 
 /// The active contact points between the body number `outer` and the devices inside it.
 /// @param of_stents true: only contacts of stents; false: only contacts of balloons
-std::vector<ContactPoint> contacts_onto(RunState& run, int outer, bool of_stents);
+std::vector<ContactPoint> contacts_on_body(RunState& run, int outer, bool of_stents);
 
 /// Ties the stents to the wall where they touch it. Does nothing if the scene sets no tie stiffness.
 void tie_stents(RunState& run);

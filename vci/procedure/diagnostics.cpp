@@ -6,11 +6,11 @@
 
 namespace vci {
 
-std::vector<std::string> left_out(const Scene& scene, std::size_t held, std::size_t vertices) {
+std::vector<std::string> switched_off_parts(const Scene& scene, std::size_t held, std::size_t vertices) {
   std::ostringstream region;
   region << "wall further than " << scene.numerics.region_margin << " mm from every device: " << held << " of "
          << vertices << " vertices stay where they are";
-  const bool whole = scene.numerics.integrator.textbook, folded = any_folded(scene);
+  const bool whole = scene.numerics.integrator.textbook, folded = has_folded_balloon(scene);
   return {whole ? "nothing of the wall: textbook integration takes the whole vessel" : region.str(),
           folded ? "folding of balloons whose entries do not ask for it"
                  : "folding: balloons start as small tubes that unfold softly",
@@ -33,8 +33,8 @@ std::vector<std::string> warnings_of_plan(const Scene& scene) {
   return warnings;
 }
 
-std::optional<std::string> overexpansion(const System& system, const StentHistory& h, const StentSpec& spec,
-                                         const std::string& step) {
+std::optional<std::string> overexpansion_warning(const System& system, const StentHistory& h, const StentSpec& spec,
+                                                 const std::string& step) {
   const std::vector<double> perimeters = perimeter_diameters(system, h.stent.body, h.stent.grid);
   const auto beyond =
       std::count_if(perimeters.begin(), perimeters.end(), [&](double d) { return d > spec.maximal_diameter; });

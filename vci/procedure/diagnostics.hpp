@@ -10,7 +10,7 @@ namespace vci {
 /// Texts that name the parts of the model that a run leaves out.
 /// @param held number of the lumen's vertices outside its moving part
 /// @param vertices number of all the lumen's vertices
-std::vector<std::string> left_out(const Scene& scene, std::size_t held, std::size_t vertices);
+std::vector<std::string> switched_off_parts(const Scene& scene, std::size_t held, std::size_t vertices);
 
 /// A warning for each inflation above the balloon's rated burst pressure.
 std::vector<std::string> warnings_of_plan(const Scene& scene);
@@ -18,7 +18,7 @@ std::vector<std::string> warnings_of_plan(const Scene& scene);
 /// The warning that rings of a stent are opened beyond its maximal diameter; nothing if none is. A ring's perimeter
 /// limits its struts, whatever its shape. So the diameter compared is that of the circle with the same perimeter.
 /// @param step name of the step, for the message
-std::optional<std::string> overexpansion(const System& system, const StentHistory& history, const StentSpec& spec,
-                                         const std::string& step);
+std::optional<std::string> overexpansion_warning(const System& system, const StentHistory& history,
+                                                 const StentSpec& spec, const std::string& step);
 
 } // namespace vci

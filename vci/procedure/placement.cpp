@@ -9,19 +9,20 @@ namespace vci {
 namespace {
 
 // Distances between the axes of a device and of a stent, in stent radii. A device that comes further off than
-// `departed` leaves the stent through its side. Its rings further off than `departing` open a window in the stent.
-constexpr double departed = 0.6;
-constexpr double departing = 0.3;
-constexpr double tolerance = 0.15; // mm by which the axes of nested devices may differ
+// `exit_offset` leaves the stent through its side. Its rings further off than `window_offset` open a window in the
+// stent.
+constexpr double exit_offset = 0.6;
+constexpr double window_offset = 0.3;
+constexpr double axis_tolerance = 0.15; // mm by which the axes of nested devices may differ
 
 /// The place nearest to p on the line through the centres of a device's rings.
-struct OnAxis {
+struct AxisProjection {
   Vec3 point;
   double radius; ///< of the device there, between its rings, mm
-  bool beyond;   ///< whether p is past the line's ends
+  bool past_end; ///< whether p is past the line's ends
 };
-OnAxis nearest_on_axis(const Vec3& p, const Vectors& centres, const std::vector<double>& radii) {
-  OnAxis best{centres.front(), radii.front(), true};
+AxisProjection project_onto_axis(const Vec3& p, const Vectors& centres, const std::vector<double>& radii) {
+  AxisProjection best{centres.front(), radii.front(), true};
   double distance = 1e300;
   for (std::size_t k = 0; k + 1 < centres.size(); ++k) {
     const Vec3 along = centres[k + 1] - centres[k];
@@ -38,7 +39,7 @@ OnAxis nearest_on_axis(const Vec3& p, const Vectors& centres, const std::vector<
 
 /// Flags the vertices round a window: those that are not in the window, but have a neighbour in it.
 /// @param window flag of each of the body's vertices: in the window
-std::vector<char> rim_of(const std::vector<char>& window, const Body& body) {
+std::vector<char> window_rim(const std::vector<char>& window, const Body& body) {
   std::vector<char> rim(window.size(), 0);
   for (const Triangle& t : body.triangles)
     if (std::any_of(t.begin(), t.end(), [&](int v) { return window[v - body.first]; }))
@@ -47,7 +48,7 @@ std::vector<char> rim_of(const std::vector<char>& window, const Body& body) {
   return rim;
 }
 
-Vectors origins(const DeviceLayout& layout) {
+Vectors frame_origins(const DeviceLayout& layout) {
   Vectors points;
   for (const Frame& f : layout.frames)
     points.push_back(f.origin);
@@ -56,40 +57,40 @@ Vectors origins(const DeviceLayout& layout) {
 
 } // namespace
 
-ContactSides leaving_through(const System& system, const Stent& stent, const DeviceLayout& device) {
-  const Vectors axis = ring_centres(system, stent.body, stent.grid), device_axis = origins(device);
+ContactScope exclude_side_exit(const System& system, const Stent& stent, const DeviceLayout& device) {
+  const Vectors axis = ring_centres(system, stent.body, stent.grid), device_axis = frame_origins(device);
   const std::vector<double> radii = ring_radii(system, stent.body, stent.grid);
   std::vector<double> offset; // of each device ring from the stent's axis, in stent radii; 0 past the stent's ends
   for (const Vec3& o : device_axis) {
-    const OnAxis a = nearest_on_axis(o, axis, radii);
-    offset.push_back(a.beyond ? 0 : (o - a.point).norm() / a.radius);
+    const AxisProjection a = project_onto_axis(o, axis, radii);
+    offset.push_back(a.past_end ? 0 : (o - a.point).norm() / a.radius);
   }
-  ContactSides sides;
-  if (*std::max_element(offset.begin(), offset.end()) < departed)
-    return sides;
+  ContactScope scope;
+  if (*std::max_element(offset.begin(), offset.end()) < exit_offset)
+    return scope;
   const std::vector<double> reach(device.frames.size(), device.inflated_radius);
   const Vectors inflated = place_grid(device.grid, device.frames, reach);
   for (const Vec3& p : inflated) {
-    const OnAxis a = nearest_on_axis(p, axis, radii);
-    sides.inner_excluded.push_back(!a.beyond &&
-                                   (p - a.point).norm() > std::max(a.radius, device.inflated_radius) + tolerance);
+    const AxisProjection a = project_onto_axis(p, axis, radii);
+    scope.inner_excluded.push_back(!a.past_end &&
+                                   (p - a.point).norm() > std::max(a.radius, device.inflated_radius) + axis_tolerance);
   }
   const Body& body = system.body(stent.body);
-  sides.outer_excluded.assign(body.count, 0);
+  scope.outer_excluded.assign(body.count, 0);
   for (int v = 0; v < body.count; ++v) {
     const Vec3& p = system.x[body.first + v];
-    const OnAxis a = nearest_on_axis(p, axis, radii);
+    const AxisProjection a = project_onto_axis(p, axis, radii);
     for (std::size_t r = 0; r < device_axis.size(); ++r)
-      if (offset[r] > departing && (p - device_axis[r]).norm() < device.inflated_radius + tolerance &&
+      if (offset[r] > window_offset && (p - device_axis[r]).norm() < device.inflated_radius + axis_tolerance &&
           (p - a.point).dot(device_axis[r] - a.point) > 0)
-        sides.outer_excluded[v] = 1;
+        scope.outer_excluded[v] = 1;
   }
-  sides.outer_rim = rim_of(sides.outer_excluded, body);
-  return sides;
+  scope.outer_rim = window_rim(scope.outer_excluded, body);
+  return scope;
 }
 
 std::vector<double> start_radii(const System& system, const DeviceLayout& device, double crimped_diameter,
-                                const std::vector<ContactSides>& sides) {
+                                const std::vector<ContactScope>& scopes) {
   constexpr double near = 6.0; // mm: triangles whose first corner is further from a ring's centre are not considered
   std::vector<double> radii;
   for (int r = 0; r < device.grid.rings(); ++r) {
@@ -97,38 +98,38 @@ std::vector<double> start_radii(const System& system, const DeviceLayout& device
     double nearest = near * near;
     for (int b = 0; b < system.bodies(); ++b) {
       const Body& body = system.body(b);
-      const bool whole = b >= static_cast<int>(sides.size()) || sides[b].outer_excluded.empty();
+      const bool whole = b >= static_cast<int>(scopes.size()) || scopes[b].outer_excluded.empty();
       for (const Triangle& t : body.triangles) {
         if ((system.x[t[0]] - p).squaredNorm() > near * near)
           continue;
-        if (!whole && std::any_of(t.begin(), t.end(), [&](int v) { return sides[b].outer_excluded[v - body.first]; }))
+        if (!whole && std::any_of(t.begin(), t.end(), [&](int v) { return scopes[b].outer_excluded[v - body.first]; }))
           continue;
         nearest =
             std::min(nearest, closest_on_triangle(p, system.x[t[0]], system.x[t[1]], system.x[t[2]]).distance_squared);
       }
     }
     const double fits = 0.95 * std::sqrt(nearest) - start_clearance;
-    radii.push_back(std::max(0.05, std::min(0.5 * crimped_diameter * device.grid.start[r], fits)));
+    radii.push_back(std::max(0.05, std::min(0.5 * crimped_diameter * device.grid.start_ratio[r], fits)));
   }
   return radii;
 }
 
 void set_side_by_side(DeviceLayout& one, DeviceLayout& other, double crimped_diameter) {
   const double wanted = crimped_diameter + 2 * start_clearance;
-  const std::array<Vectors, 2> axes{origins(one), origins(other)};
-  const std::array<std::vector<double>, 2> none{std::vector<double>(axes[0].size(), 0.0),
-                                                std::vector<double>(axes[1].size(), 0.0)};
+  const std::array<Vectors, 2> axes{frame_origins(one), frame_origins(other)};
+  const std::array<std::vector<double>, 2> zero_radii{std::vector<double>(axes[0].size(), 0.0),
+                                                      std::vector<double>(axes[1].size(), 0.0)};
   const Vec3 towards = axes[1].back() - axes[0].back();
   for (int k = 0; k < 2; ++k)
     for (Frame& f : (k == 0 ? one : other).frames) {
-      const OnAxis a = nearest_on_axis(f.origin, axes[1 - k], none[1 - k]);
-      const double apart = (f.origin - a.point).norm();
-      if (apart >= wanted)
+      const AxisProjection a = project_onto_axis(f.origin, axes[1 - k], zero_radii[1 - k]);
+      const double distance = (f.origin - a.point).norm();
+      if (distance >= wanted)
         continue;
       Vec3 across = towards - towards.dot(f.tangent) * f.tangent;
       if (across.norm() < 0.1 * wanted) // the devices' ends lie in one vessel, so any direction across it will do
         across = f.first;
-      f.origin += (k == 0 ? -0.5 : 0.5) * (wanted - apart) * across.normalized();
+      f.origin += (k == 0 ? -0.5 : 0.5) * (wanted - distance) * across.normalized();
     }
 }
 

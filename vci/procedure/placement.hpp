@@ -20,13 +20,13 @@ constexpr double start_clearance = 0.03; ///< mm between a device and the surfac
 /// Here two groups of vertices are excluded: the stent's vertices in this window, and the device's vertices that will
 /// be outside the stent. Within the stent, both touch as nested tubes. The flags are empty if the device stays within
 /// the stent.
-ContactSides leaving_through(const System& system, const Stent& stent, const DeviceLayout& device);
+ContactScope exclude_side_exit(const System& system, const Stent& stent, const DeviceLayout& device);
 
 /// Starting radius (mm) of each ring of a device: at most the crimped radius, and small enough to keep clear of every
 /// surface in the system, but at least 0.05 mm.
-/// @param sides for each body of the system its excluded vertices; bodies beyond the end of the list have none
+/// @param scopes for each body of the system its excluded vertices; bodies beyond the end of the list have none
 std::vector<double> start_radii(const System& system, const DeviceLayout& device, double crimped_diameter,
-                                const std::vector<ContactSides>& sides);
+                                const std::vector<ContactScope>& scopes);
 
 /// Moves the axes of two devices apart where they share a vessel, so that two devices of this diameter (mm) fit side by
 /// side.

@@ -11,50 +11,50 @@ namespace {
 constexpr double blend_length = 3.0; // mm beyond the device's ends over which the radius returns to the original
 
 /// A span of a branch that is to get a radius.
-struct Target {
+struct SpanTarget {
   const Path* path;
   double s_start, s_end, radius; ///< mm
-  double keeps;                  ///< final radius after recoil over the inflated radius
+  double recoil_factor;          ///< final radius after recoil over the inflated radius
 };
 
 /// One target for each stent, its radius from the largest balloon inflated in the stent. If the scene has no stent, one
 /// target for each balloon.
-std::vector<Target> targets_of(const Scene& scene, const std::map<std::string, Path>& paths) {
-  std::vector<Target> stents, balloons;
+std::vector<SpanTarget> targets_of(const Scene& scene, const std::map<std::string, Path>& paths) {
+  std::vector<SpanTarget> stents, balloons;
   for (const Step& step : scene.procedure)
     for (const Placement& p : step.devices) {
       const StentSpec* stent = scene.stent(p.device);
       const BalloonSpec& b = scene.balloon(p.device);
       const BalloonChart chart(b.chart_pressure_bar, b.chart_diameter, b.crimped_diameter);
       const double length = scene.length(p.device);
-      const Target t{&paths.at(p.branch), p.centre_s - 0.5 * length, p.centre_s + 0.5 * length,
-                     0.5 * chart.diameter_at(p.pressure_bar), 1.0};
+      const SpanTarget t{&paths.at(p.branch), p.centre_s - 0.5 * length, p.centre_s + 0.5 * length,
+                         0.5 * chart.diameter_at(p.pressure_bar), 1.0};
       if (stent) {
-        const double keeps = 1 - 0.01 * stent->recoil_percent;
-        stents.push_back({t.path, t.s_start, t.s_end, keeps * t.radius, keeps});
+        const double recoil_factor = 1 - 0.01 * stent->recoil_percent;
+        stents.push_back({t.path, t.s_start, t.s_end, recoil_factor * t.radius, recoil_factor});
       } else
         balloons.push_back(t);
     }
-  for (Target& stent : stents)
-    for (const Target& b : balloons) // centred in the stent's span
+  for (SpanTarget& stent : stents)
+    for (const SpanTarget& b : balloons) // centred in the stent's span
       if (b.path == stent.path && 0.5 * (b.s_start + b.s_end) > stent.s_start &&
           0.5 * (b.s_start + b.s_end) < stent.s_end)
-        stent.radius = std::max(stent.radius, stent.keeps * b.radius);
+        stent.radius = std::max(stent.radius, stent.recoil_factor * b.radius);
   return stents.empty() ? balloons : stents;
 }
 
 /// Share of the change of radius at arc length s (mm): 1 within the target's span. Beyond its ends a cubic with zero
 /// end slopes falls to 0 over blend_length.
-double weight_at(double s, const Target& t) {
-  const double outside = std::max({t.s_start - s, s - t.s_end, 0.0}) / blend_length;
-  return outside >= 1 ? 0.0 : 1 - outside * outside * (3 - 2 * outside);
+double weight_at(double s, const SpanTarget& t) {
+  const double beyond_span = std::max({t.s_start - s, s - t.s_end, 0.0}) / blend_length;
+  return beyond_span >= 1 ? 0.0 : 1 - beyond_span * beyond_span * (3 - 2 * beyond_span);
 }
 
 /// Points along a branch's axis from s = 0 on, each with the radius (mm) of the largest sphere round it that holds no
 /// point of the wall.
-class Axis {
+class InscribedSpheres {
 public:
-  Axis(const Path& path, const Vectors& wall) {
+  InscribedSpheres(const Path& path, const Vectors& wall) {
     const int steps = std::max(1, static_cast<int>(std::lround(path.end() / spacing)));
     for (int k = 0; k <= steps; ++k) {
       points_.push_back(path.at(path.end() * k / steps));
@@ -72,7 +72,7 @@ public:
     return (1 - t) * radius_[k] + t * radius_[k + 1];
   }
   /// Distance (mm) of p from the nearest of these spheres; negative inside a sphere.
-  double outside(const Vec3& p) const {
+  double distance_outside(const Vec3& p) const {
     double least = 1e300;
     for (std::size_t k = 0; k < points_.size(); ++k)
       least = std::min(least, (p - points_[k]).norm() - radius_[k]);
@@ -89,7 +89,7 @@ private:
 /// Arc length (mm) of the section of the path through p, searched from `first` to `last` (mm). A section is
 /// perpendicular to the path's direction over a millimetre. If sections followed the polyline's single pieces, a wall
 /// that moves far outwards would cross itself at the polyline's corners.
-double section_of(const Vec3& p, const Path& path, double first, double last) {
+double section_arc_length(const Vec3& p, const Path& path, double first, double last) {
   double nearest = 1e300, place = 0;
   for (double s = first; s <= last; s += 0.1)
     if (const double d = (p - path.at(s)).squaredNorm(); d < nearest) {
@@ -124,23 +124,23 @@ Vectors correct_radius(const Scene& scene, const Lumen& lumen, const std::map<st
     if (lumen.region[k] != 0)
       for (int v : lumen.triangles[k])
         cap[v] = 1;
-  std::map<const Path*, Axis> axes;
+  std::map<const Path*, InscribedSpheres> spheres;
   for (const auto& [name, path] : paths)
-    axes.emplace(&path, Axis(path, lumen.points));
-  for (const Target& t : targets_of(scene, paths)) {
-    const Axis& axis = axes.at(t.path);
+    spheres.emplace(&path, InscribedSpheres(path, lumen.points));
+  for (const SpanTarget& t : targets_of(scene, paths)) {
+    const InscribedSpheres& own_spheres = spheres.at(t.path);
     const double first = t.s_start - blend_length, last = t.s_end + blend_length;
     for (std::size_t v = 0; v < points.size(); ++v) {
       if (cap[v])
         continue;
-      const double place = section_of(points[v], *t.path, first, last);
+      const double place = section_arc_length(points[v], *t.path, first, last);
       const Vec3 ray = points[v] - t.path->at(place);
-      const double r = ray.norm(), radius = axis.radius_at(place);
+      const double r = ray.norm(), radius = own_spheres.radius_at(place);
       if (place <= first || place >= last || r > 3 * std::max(radius, t.radius) || r < 1e-6)
         continue;
       bool own_wall = true;
-      for (const auto& [path, other] : axes)
-        own_wall = own_wall && (path == t.path || other.outside(lumen.points[v]) > r - radius - 0.1 * radius);
+      for (const auto& [path, other] : spheres)
+        own_wall = own_wall && (path == t.path || other.distance_outside(lumen.points[v]) > r - radius - 0.1 * radius);
       points[v] += weight_at(place, t) * (new_distance(r, radius, t.radius, own_wall) - r) * ray / r;
     }
   }

@@ -11,7 +11,8 @@ namespace {
 /// For each point the branch whose axis is nearest, and the arc length (mm) of the nearest place on that axis. The
 /// distance has no limit: the far walls of a flat lumen are many radii of the inscribed sphere from the axis, and still
 /// belong to the branch.
-std::vector<std::pair<std::string, double>> places(const Vectors& points, const std::map<std::string, Path>& paths) {
+std::vector<std::pair<std::string, double>> nearest_branches(const Vectors& points,
+                                                             const std::map<std::string, Path>& paths) {
   std::map<std::string, AxisSearch> axes;
   for (const auto& [name, path] : paths)
     axes.emplace(name, AxisSearch(path));
@@ -20,7 +21,7 @@ std::vector<std::pair<std::string, double>> places(const Vectors& points, const 
     double distance = 1e300;
     found.emplace_back();
     for (auto& [name, axis] : axes) {
-      const AxisPlace place = axis.nearest(p);
+      const AxisPoint place = axis.nearest(p);
       if (const double d = (p - place.point).norm(); d < distance) {
         distance = d;
         found.back() = {name, place.s};
@@ -33,26 +34,26 @@ std::vector<std::pair<std::string, double>> places(const Vectors& points, const 
 } // namespace
 
 std::vector<char> region_of_interest(const Lumen& lumen, const Scene& scene, const std::map<std::string, Path>& paths) {
-  std::vector<char> free(lumen.points.size(), 0);
-  const auto on = places(lumen.points, paths);
+  std::vector<char> may_move(lumen.points.size(), 0);
+  const auto nearest = nearest_branches(lumen.points, paths);
   for (const Step& step : scene.procedure)
     for (const Placement& p : step.devices) {
       const double half =
           0.5 * scene.opened_length(p.device) + scene.balloon(p.device).shoulder + scene.numerics.region_margin;
       const Path& path = paths.at(p.branch);
       for (std::size_t v = 0; v < lumen.points.size(); ++v)
-        if (on[v].first == p.branch && std::abs(on[v].second - p.centre_s) < half)
-          free[v] = 1;
+        if (nearest[v].first == p.branch && std::abs(nearest[v].second - p.centre_s) < half)
+          may_move[v] = 1;
       for (double s = p.centre_s - half; s <= p.centre_s + half; s += 0.5) {
         const Vec3 centre = path.at(s);
         for (std::size_t v = 0; v < lumen.points.size(); ++v) {
           const double reach = lumen.radius[v] + 1.0; // mm: includes the ostia of side branches
           if ((lumen.points[v] - centre).squaredNorm() < reach * reach)
-            free[v] = 1;
+            may_move[v] = 1;
         }
       }
     }
-  return free;
+  return may_move;
 }
 
 } // namespace vci

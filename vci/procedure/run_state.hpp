@@ -14,13 +14,13 @@ namespace vci {
 
 struct RunState {
   /// Adds the wall to the system. Keeps copies of the scene, and of lumen and axes as they are before the procedure.
-  RunState(Scene of, Lumen before, std::map<std::string, Path> axes);
+  RunState(Scene initial_scene, Lumen initial_lumen, std::map<std::string, Path> initial_paths);
   RunState(const RunState&) = delete;
   RunState& operator=(const RunState&) = delete;
 
   bool is_stent(int body) const;
   /// Current positions of all lumen points, mm.
-  Vectors lumen_now() const { return moved_points(lumen, wall, system); }
+  Vectors current_lumen() const { return current_lumen_points(lumen, wall, system); }
 
   const Scene scene;
   const Lumen lumen;

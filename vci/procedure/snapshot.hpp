@@ -24,7 +24,7 @@ struct Snapshot {
 };
 
 /// Forces of the wall's vertices at all points of the lumen, 0 where the wall does not take part.
-Balance on_lumen(const RunState& run, const Balance& forces);
+Balance forces_on_lumen(const RunState& run, const Balance& forces);
 
 /// The shape of a body with its part of the system's forces (N).
 DeviceShape shape_of(const RunState& run, int body, const std::string& name, const Balance& forces);

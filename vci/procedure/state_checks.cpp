@@ -13,13 +13,13 @@ namespace vci {
 
 namespace {
 
-constexpr double reach = 2.0; // mm: radius round a device's vertex in which the wall is searched
+constexpr double wall_reach = 2.0; // mm: radius round a device's vertex in which the wall is searched
 // mm: a vertex may project along the normals onto a triangle that is this much further away than the nearest one
-constexpr double slack = 0.1;
-constexpr double tolerated = 0.1;  // mm that a device may lie outside the wall; balanced stages have far less
-constexpr double on_an_end = 1e-9; // weight of inner corners below which a projection is on an open edge
+constexpr double projection_slack = 0.1;
+constexpr double tolerated_distance = 0.1; // mm that a device may lie outside the wall; balanced stages have far less
+constexpr double open_edge_weight = 1e-9;  // weight of inner corners below which a projection is on an open edge
 
-int body_with(const System& system, int vertex) {
+int body_of_vertex(const System& system, int vertex) {
   int body = 0;
   while (vertex >= system.body(body).first + system.body(body).count)
     ++body;
@@ -28,10 +28,11 @@ int body_with(const System& system, int vertex) {
 
 /// Distance (mm) by which a point lies outside the wall's smooth surface. Negative inside, at the wall's open ends, and
 /// if no wall is near.
-double beyond(const Vec3& p, const System& system, const Vectors& units, const std::vector<int>& candidates) {
+double distance_outside(const Vec3& p, const System& system, const Vectors& unit_normals,
+                        const std::vector<int>& candidates) {
   const Body& wall = system.body(0);
   double closest = 0;
-  const SurfaceProjection projection = project_onto(p, candidates, system, units, wall, closest);
+  const SurfaceProjection projection = project_onto(p, candidates, system, unit_normals, wall, closest);
   if (projection.triangle < 0)
     return -1;
   const Triangle& t = wall.triangles[projection.triangle];
@@ -41,51 +42,54 @@ double beyond(const Vec3& p, const System& system, const Vectors& units, const s
     inner += wall.boundary[t[k] - wall.first] ? 0 : projection.weights[k];
     q += projection.weights[k] * system.x[t[k]];
   }
-  if (inner <= on_an_end)
+  if (inner <= open_edge_weight)
     return -1;
-  return interpolated_normal(t, projection.weights, units).dot(p - q) - sagitta(t, projection.weights, system.x, units);
+  return interpolated_normal(t, projection.weights, unit_normals).dot(p - q) -
+         sagitta(t, projection.weights, system.x, unit_normals);
 }
 
 } // namespace
 
-Outside furthest_outside(const System& system, SurfaceTrees& trees, const Vectors& points, const Triangles& triangles) {
+OutsideVertex furthest_outside(const System& system, SurfaceTrees& trees, const Vectors& points,
+                               const Triangles& triangles) {
   const Body& wall = system.body(0);
   const Normals normals(area_vectors(system));
   const BroadPhase& boxes = trees.at(system, 0);
-  Outside furthest;
+  OutsideVertex furthest;
   std::vector<NearTriangle> found;
   std::vector<int> candidates;
   for (int v = wall.first + wall.count; v < system.vertices(); ++v) {
-    boxes.near(system.x[v], wall.triangles, system.x, reach, slack, -1, found);
+    boxes.find_near(system.x[v], wall.triangles, system.x, wall_reach, projection_slack, -1, found);
     candidates.clear();
     for (const NearTriangle& f : found)
       candidates.push_back(f.triangle);
     if (candidates.empty())
       continue;
-    const double distance = beyond(system.x[v], system, normals.unit, candidates);
+    const double distance = distance_outside(system.x[v], system, normals.unit, candidates);
     // At the mouth of a side branch the wall has an opening, whose sharp rim may fold. There the nearest triangle does
     // not tell inside from outside; the winding number of the whole lumen does.
-    if (distance > furthest.distance && (distance <= tolerated || winding_number(system.x[v], triangles, points) < 0.5))
+    if (distance > furthest.distance &&
+        (distance <= tolerated_distance || winding_number(system.x[v], triangles, points) < 0.5))
       furthest = {distance, v};
   }
   return furthest;
 }
 
-void check_inside(const System& system, SurfaceTrees& trees, const Vectors& points, const Triangles& triangles,
-                  const std::string& where) {
-  const Outside furthest = furthest_outside(system, trees, points, triangles);
-  if (furthest.distance <= tolerated)
+void check_devices_inside(const System& system, SurfaceTrees& trees, const Vectors& points, const Triangles& triangles,
+                          const std::string& where) {
+  const OutsideVertex furthest = furthest_outside(system, trees, points, triangles);
+  if (furthest.distance <= tolerated_distance)
     return;
   const Vec3& at = system.x[furthest.vertex];
   std::ostringstream value;
-  value << "a vertex of the " << system.body(body_with(system, furthest.vertex)).name << " at (" << at[0] << ", "
-        << at[1] << ", " << at[2] << "), " << furthest.distance << " mm outside; at most " << tolerated;
+  value << "a vertex of the " << system.body(body_of_vertex(system, furthest.vertex)).name << " at (" << at[0] << ", "
+        << at[1] << ", " << at[2] << "), " << furthest.distance << " mm outside; at most " << tolerated_distance;
   throw common::ComputationError("a device lies outside the lumen", where, value.str(),
                                  "refine the lumen or the devices, or predilate first; no lumen is written");
 }
 
-std::vector<char> supported(const System& system, const std::vector<ContactPoint>& contacts,
-                            const std::vector<Tie>& ties, const std::vector<StentHistory>& stents) {
+std::vector<char> stents_supported(const System& system, const std::vector<ContactPoint>& contacts,
+                                   const std::vector<Tie>& ties, const std::vector<StentHistory>& stents) {
   std::vector<int> group(system.bodies());
   std::iota(group.begin(), group.end(), 0);
   const auto join = [&](const StencilStiffness& stencil) {
@@ -93,7 +97,7 @@ std::vector<char> supported(const System& system, const std::vector<ContactPoint
     for (int k = 0; k < 4; ++k) {
       if (stencil.vertex[k] < 0 || stencil.weight[k] == 0)
         continue;
-      const int body = group[body_with(system, stencil.vertex[k])];
+      const int body = group[body_of_vertex(system, stencil.vertex[k])];
       if (first >= 0)
         std::replace(group.begin(), group.end(), std::max(first, body), std::min(first, body));
       first = first < 0 ? body : std::min(first, body);
@@ -110,13 +114,14 @@ std::vector<char> supported(const System& system, const std::vector<ContactPoint
   return result;
 }
 
-void check_supported(const System& system, Interactions& interactions, const std::vector<StentHistory>& stents,
-                     const Vectors& points, const Triangles& triangles, const std::map<std::string, Path>& paths) {
+void check_stents_supported(const System& system, Interactions& interactions, const std::vector<StentHistory>& stents,
+                            const Vectors& points, const Triangles& triangles,
+                            const std::map<std::string, Path>& paths) {
   if (stents.empty())
     return;
   std::vector<ContactPoint> contacts;
   interactions.detect(system, area_vectors(system), contacts);
-  const std::vector<char> held = supported(system, contacts, interactions.ties, stents);
+  const std::vector<char> held = stents_supported(system, contacts, interactions.ties, stents);
   for (std::size_t k = 0; k < stents.size(); ++k) {
     if (held[k])
       continue;

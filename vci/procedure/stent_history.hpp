@@ -22,8 +22,8 @@ struct StentHistory {
 /// Records the radii of the rings that inflated balloons fill. At the stent's own delivery these are all rings. Later
 /// they are the rings with at least half of their vertices in contact with a balloon.
 /// @param balloons contact points of the balloons with the stent
-void note_inflation(StentHistory& history, const System& system, const std::vector<ContactPoint>& balloons);
+void record_inflation(StentHistory& history, const System& system, const std::vector<ContactPoint>& balloons);
 /// Records diameter, length, smallest section and ends after balloons are removed.
-void note_extraction(StentHistory& history, const System& system);
+void record_extraction(StentHistory& history, const System& system);
 
 } // namespace vci

@@ -8,7 +8,7 @@ namespace {
 
 // Rings narrower than this share of the balloon body's diameter have no contact between their layers. Folds in the
 // balloon's necks are too fine for contact.
-constexpr double narrowest_layers = 0.6;
+constexpr double least_layer_profile = 0.6;
 // Largest wanted displacement per step over the film's thickness, while folds open; and relative residual of the linear
 // solves with a folded balloon.
 constexpr double step_over_thickness = 2, folds_pcg_tolerance = 0.05;
@@ -17,33 +17,33 @@ constexpr double folds_initial_step = 0.03; // ms: a longer first step moves lay
 
 } // namespace
 
-void add_layers(Interactions& interactions, const System& system, const Balloon& balloon, const BalloonSpec& spec,
-                const ContactSettings& settings) {
+void add_layer_contacts(Interactions& interactions, const System& system, const Balloon& balloon,
+                        const BalloonSpec& spec, const ContactSettings& settings) {
   if (!spec.folding)
     return;
   std::vector<double> thickness;
   for (double profile : balloon.grid.profile)
-    thickness.insert(thickness.end(), balloon.grid.around,
-                     profile < narrowest_layers ? 0.0 : spec.folding->membrane_thickness * profile);
+    thickness.insert(thickness.end(), balloon.grid.ring_size,
+                     profile < least_layer_profile ? 0.0 : spec.folding->membrane_thickness * profile);
   interactions.self_contacts.emplace_back(system, balloon.body, settings.stiffness, std::move(thickness));
 }
 
-IntegratorSettings with_folds(const IntegratorSettings& settings, const BalloonSpec& spec, bool unfolds) {
-  IntegratorSettings careful = settings;
+IntegratorSettings folded_balloon_settings(const IntegratorSettings& settings, const BalloonSpec& spec, bool unfolds) {
+  IntegratorSettings adapted = settings;
   if (!spec.folding)
-    return careful;
-  careful.stalled_steps = settings.maximal_steps;
-  careful.maximal_step = std::min(settings.maximal_step, folds_maximal_step);
-  careful.pcg.tolerance = std::min(settings.pcg.tolerance, folds_pcg_tolerance);
+    return adapted;
+  adapted.stalled_steps = settings.maximal_steps;
+  adapted.maximal_step = std::min(settings.maximal_step, folds_maximal_step);
+  adapted.pcg.tolerance = std::min(settings.pcg.tolerance, folds_pcg_tolerance);
   if (unfolds) {
-    careful.initial_step = std::min(settings.initial_step, folds_initial_step);
-    careful.displacement_per_step =
+    adapted.initial_step = std::min(settings.initial_step, folds_initial_step);
+    adapted.displacement_per_step =
         std::min(settings.displacement_per_step, step_over_thickness * spec.folding->membrane_thickness);
   }
-  return careful;
+  return adapted;
 }
 
-bool any_folded(const Scene& scene) {
+bool has_folded_balloon(const Scene& scene) {
   return std::any_of(scene.balloons.begin(), scene.balloons.end(),
                      [](const auto& entry) { return entry.second.folding.has_value(); });
 }

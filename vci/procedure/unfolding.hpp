@@ -6,16 +6,16 @@
 namespace vci {
 
 /// Adds contact between the layers of a folded balloon. Does nothing for a balloon that is not folded.
-void add_layers(Interactions& interactions, const System& system, const Balloon& balloon, const BalloonSpec& spec,
-                const ContactSettings& settings);
+void add_layer_contacts(Interactions& interactions, const System& system, const Balloon& balloon,
+                        const BalloonSpec& spec, const ContactSettings& settings);
 
 /// Solver settings of a stage with a balloon; unchanged if the balloon is not folded. A folded balloon needs shorter
 /// steps and more accurate linear solves. Its stage is not refused while the residual stagnates, because the residual
 /// falls only after the folds have opened.
 /// @param unfolds whether the folds open in this stage: then steps are even shorter, lest a layer pass its neighbours
-IntegratorSettings with_folds(const IntegratorSettings& settings, const BalloonSpec& spec, bool unfolds);
+IntegratorSettings folded_balloon_settings(const IntegratorSettings& settings, const BalloonSpec& spec, bool unfolds);
 
 /// Whether a balloon of the scene is folded.
-bool any_folded(const Scene& scene);
+bool has_folded_balloon(const Scene& scene);
 
 } // namespace vci

@@ -12,13 +12,13 @@ class CoarseLumen {
 public:
   /// Reads the lumen that the scene names as `coarse_lumen`. Throws common::InputError if the file is bad, or if a
   /// point of `fine` is further from this lumen than its `radius_mm`: another part of the wall might then be nearer.
-  CoarseLumen(const Scene& of, const Lumen& fine);
+  CoarseLumen(const Scene& scene, const Lumen& fine);
 
   /// The scene with this lumen's file in place of the fine one's, for checks and their messages.
   const Scene& scene() const { return scene_; }
   const LumenFile& lumen() const { return lumen_; }
   /// The result with points, stretch and gaps of the fine lumen. The forces stay those of the coarse one.
-  DeploymentResult carry(DeploymentResult result) const;
+  DeploymentResult carry_to_fine(DeploymentResult result) const;
 
 private:
   Scene scene_;
@@ -27,6 +27,6 @@ private:
 };
 
 /// The coarse lumen of a scene, or none if it names none.
-std::optional<CoarseLumen> coarse_lumen(const Scene& scene, const Lumen& fine);
+std::optional<CoarseLumen> load_coarse_lumen(const Scene& scene, const Lumen& fine);
 
 } // namespace vci

@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string numbered(const std::string& name, int number) {
+std::string numbered_file(const std::string& name, int number) {
   std::ostringstream text;
   text << name << '_' << std::setw(4) << std::setfill('0') << number << ".vtp";
   return text.str();
@@ -45,17 +45,17 @@ FrameWriter::FrameWriter(fs::path folder, const LumenFile& lumen) : folder_(std:
 
 void FrameWriter::add(const Snapshot& snapshot) {
   int part = 0;
-  const auto put = [&](const std::string& name, const Vectors& points, const Triangles& triangles,
-                       const Balance& forces) {
-    const std::string file = numbered("frame_" + name, count_);
+  const auto write_surface = [&](const std::string& name, const Vectors& points, const Triangles& triangles,
+                                 const Balance& forces) {
+    const std::string file = numbered_file("frame_" + name, count_);
     write_shape(folder_ / file, points, triangles, {}, force_arrays(forces));
     entries_ << "    <DataSet timestep=\"" << count_ << "\" part=\"" << part++ << "\" name=\"" << name << "\" file=\""
              << file << "\"/>\n";
   };
-  put("lumen", snapshot.lumen, lumen_.triangles, snapshot.forces);
+  write_surface("lumen", snapshot.lumen, lumen_.triangles, snapshot.forces);
   int number = 0;
   for (const DeviceShape& device : snapshot.devices)
-    put("device" + std::to_string(++number), device.points, device.triangles, device.forces);
+    write_surface("device" + std::to_string(++number), device.points, device.triangles, device.forces);
   entries_ << "    <!-- " << count_ << ": stage " << snapshot.stages_done + 1 << ", " << snapshot.steps
            << " steps -->\n";
   ++count_;

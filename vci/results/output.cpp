@@ -14,14 +14,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* partial = ".partial-"; // + process number: folder of a run's files until they are complete
-constexpr const char* results[] = {"lumen.vtp", "lumen.stl", "coarse_lumen.vtp",
-                                   "deployment.json"}; // devices/*.vtp precede the last
+constexpr const char* partial_prefix = ".partial-"; // + process number: folder of a run's files until they are complete
+constexpr const char* result_files[] = {"lumen.vtp", "lumen.stl", "coarse_lumen.vtp",
+                                        "deployment.json"}; // devices/*.vtp precede the last
 
 /// The results that are in a folder.
-std::vector<fs::path> results_in(const fs::path& folder) {
+std::vector<fs::path> find_results(const fs::path& folder) {
   std::vector<fs::path> found;
-  for (const char* name : results)
+  for (const char* name : result_files)
     if (fs::exists(folder / name))
       found.push_back(folder / name);
   if (fs::is_directory(folder / "devices"))
@@ -32,8 +32,8 @@ std::vector<fs::path> results_in(const fs::path& folder) {
 }
 
 /// Removes the temporary folders of runs ended by a signal, recognised by a process number that no longer exists.
-void remove_left_behind(const fs::path& folder) {
-  const std::string start = partial;
+void remove_stale_folders(const fs::path& folder) {
+  const std::string start = partial_prefix;
   for (const auto& entry : std::vector<fs::directory_entry>(fs::directory_iterator(folder), fs::directory_iterator())) {
     const std::string name = entry.path().filename().string(),
                       number = name.substr(std::min(name.size(), start.size()));
@@ -46,12 +46,12 @@ void remove_left_behind(const fs::path& folder) {
 
 } // namespace
 
-Output::Output(fs::path out, const std::vector<fs::path>& inputs)
-    : out_(std::move(out)), partial_(out_ / (partial + std::to_string(getpid()))) {
+OutputFolder::OutputFolder(fs::path out, const std::vector<fs::path>& inputs)
+    : out_(std::move(out)), partial_(out_ / (partial_prefix + std::to_string(getpid()))) {
   try {
     fs::create_directories(out_);
-    remove_left_behind(out_);
-    const std::vector<fs::path> earlier = results_in(out_);
+    remove_stale_folders(out_);
+    const std::vector<fs::path> earlier = find_results(out_);
     for (const fs::path& file : earlier)
       for (const fs::path& input : inputs)
         if (fs::exists(input) && fs::equivalent(file, input))
@@ -66,25 +66,25 @@ Output::Output(fs::path out, const std::vector<fs::path>& inputs)
   }
 }
 
-Output::~Output() {
+OutputFolder::~OutputFolder() {
   std::error_code ignored; // a leftover temporary folder must not hide the error being handled
   fs::remove_all(partial_, ignored);
 }
 
-void Output::publish() const {
+void OutputFolder::publish() const {
   fs::create_directories(out_ / "devices");
   for (const auto& entry : fs::directory_iterator(partial_ / "devices"))
     fs::rename(entry.path(), out_ / "devices" / entry.path().filename());
-  for (const char* name : results)
+  for (const char* name : result_files)
     if (fs::exists(partial_ / name))
       fs::rename(partial_ / name, out_ / name);
 }
 
-void withdraw(const fs::path& out, const fs::path& scene) {
+void remove_stale_result(const fs::path& out, const fs::path& scene) {
   std::error_code ignored; // the refusal under way matters more
-  const fs::path answer = out / "deployment.json";
-  if (!fs::equivalent(answer, scene, ignored))
-    fs::remove(answer, ignored);
+  const fs::path result = out / "deployment.json";
+  if (!fs::equivalent(result, scene, ignored))
+    fs::remove(result, ignored);
 }
 
 void write_json(const fs::path& file, const nlohmann::json& document) {

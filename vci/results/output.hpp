@@ -6,15 +6,15 @@
 
 namespace vci {
 
-class Output {
+class OutputFolder {
 public:
   /// Creates the folder and removes an earlier run's results from it. Also removes partial results of runs that a
   /// signal ended. This is done before any work. Throws common::InputError if files cannot be written there, or if one
   /// of the `inputs` would be removed.
-  Output(std::filesystem::path out, const std::vector<std::filesystem::path>& inputs);
-  ~Output(); ///< removes unpublished files
-  Output(const Output&) = delete;
-  Output& operator=(const Output&) = delete;
+  OutputFolder(std::filesystem::path out, const std::vector<std::filesystem::path>& inputs);
+  ~OutputFolder(); ///< removes unpublished files
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
   /// Folder of the results until they are published; it has a folder `devices`.
   const std::filesystem::path& folder() const { return partial_; }
   /// Moves the results into place, deployment.json last.
@@ -26,7 +26,7 @@ private:
 
 /// Removes deployment.json from the folder `out` of a run that is refused before its inputs are known. Without this
 /// file the other files there do not count as results. Keeps the file if it is the `scene` itself.
-void withdraw(const std::filesystem::path& out, const std::filesystem::path& scene);
+void remove_stale_result(const std::filesystem::path& out, const std::filesystem::path& scene);
 
 /// Writes a JSON document. Throws common::ComputationError if the file is not written completely.
 void write_json(const std::filesystem::path& file, const nlohmann::json& document);

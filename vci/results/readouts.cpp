@@ -49,7 +49,7 @@ double peak_memory_mib() {
 /// The smallest of the rows' values under `key`. With another order `before`, the value that comes first in it. Null
 /// values are left out; null if no row has a value.
 template <class Order = std::less<>>
-json smallest_of(const json& rows, const char* key = "area_mm2", Order before = {}) {
+json first_in_order(const json& rows, const char* key = "area_mm2", Order before = {}) {
   json smallest = nullptr;
   for (const json& row : rows)
     if (!row[key].is_null() && (smallest.is_null() || before(row[key], smallest)))
@@ -58,7 +58,7 @@ json smallest_of(const json& rows, const char* key = "area_mm2", Order before = 
 }
 
 /// Arc length (mm) at which a path is nearest to a point, within `reach` (mm) of the arc length s.
-double place_on(const Path& path, const Vec3& p, double s, double reach) {
+double nearest_arc_length(const Path& path, const Vec3& p, double s, double reach) {
   constexpr int steps = 2000;
   double place = s, nearest = 1e300;
   for (int k = 0; k <= steps; ++k) {
@@ -74,23 +74,24 @@ double place_on(const Path& path, const Vec3& p, double s, double reach) {
 /// The smallest lumen area (mm^2) between a deployed stent's ends; null if there is no section. Planes within half a
 /// millimetre of an end are left out. There the stent's edge may be oblique, so that a plane would cut bare vessel too.
 /// @param length of the stent, mm
-json lumen_area_in(const StentHistory& h, double length, const DeploymentResult& d, const Triangles& triangles) {
-  constexpr double edge = 0.5; // mm
+json lumen_area_in_stent(const StentHistory& h, double length, const DeploymentResult& d, const Triangles& triangles) {
+  constexpr double end_margin = 0.5; // mm
   const Path& path = d.paths.at(h.branch);
-  const double one = place_on(path, h.first_end, h.centre_s, length),
-               other = place_on(path, h.last_end, h.centre_s, length);
-  const double start = std::min(one, other) + edge, end = std::max(one, other) - edge;
+  const double one = nearest_arc_length(path, h.first_end, h.centre_s, length),
+               other = nearest_arc_length(path, h.last_end, h.centre_s, length);
+  const double start = std::min(one, other) + end_margin, end = std::max(one, other) - end_margin;
   return start < end ? smallest_area(area_profile(d.points, triangles, path, start, end)) : json(nullptr);
 }
 
 /// Straightening of the axis along the segment: the decrease of its total turn (see Path::turning()), degrees. The turn
 /// is measured between pieces as long as the lumen's mean diameter in the profile, at least 1 mm.
-double degrees_less(const Path& before, const Path& after, const Segment& s, const json& profile) {
+double straightening_degrees(const Path& before, const Path& after, const Segment& s, const json& profile) {
   double area = 0;
   for (const json& row : profile)
     area += (row["area_mm2"].is_null() ? 0.0 : row["area_mm2"].get<double>()) / static_cast<double>(profile.size());
-  const double wide = std::max(1.0, 2 * std::sqrt(area / pi));
-  return (before.turning(s.s_start, s.s_end, wide) - after.turning(s.s_start, s.s_end, wide)) * 180.0 / pi;
+  const double piece_length = std::max(1.0, 2 * std::sqrt(area / pi));
+  return (before.turning(s.s_start, s.s_end, piece_length) - after.turning(s.s_start, s.s_end, piece_length)) * 180.0 /
+         pi;
 }
 
 } // namespace
@@ -125,18 +126,18 @@ std::vector<std::string> warnings_of_outcome(const json& stents, double malappos
 
 json area_profile(const Vectors& points, const Triangles& triangles, const Path& path, double s_start, double s_end) {
   json profile = json::array();
-  const Vectors units = section_normals(points, triangles);
+  const Vectors unit_normals = section_normals(points, triangles);
   const int n = std::max(1, static_cast<int>(std::lround((s_end - s_start) / 0.5)));
   for (int k = 0; k <= n; ++k) {
     const double s = s_start + (s_end - s_start) * k / n;
-    const double area = section_area(points, triangles, units, path.at(s), path.tangent(s));
+    const double area = section_area(points, triangles, unit_normals, path.at(s), path.tangent(s));
     profile.push_back({{"s_mm", s}, {"area_mm2", area > 0 ? json(area) : json(nullptr)}});
   }
   return profile;
 }
 
 json smallest_area(const json& profile) {
-  return smallest_of(profile);
+  return first_in_order(profile);
 }
 
 json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& before,
@@ -173,28 +174,29 @@ json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string
   out["csa_profile_before"] = area_profile(lumen.points, lumen.triangles, path_before, segment.s_start, segment.s_end);
   out["csa_profile"] = area_profile(d.points, lumen.triangles, path_after, segment.s_start, segment.s_end);
   out["minimal_lumen_area_mm2"] = smallest_area(out["csa_profile"]);
-  out["straightening_deg"] = degrees_less(path_before, path_after, segment, out["csa_profile"]);
+  out["straightening_deg"] = straightening_degrees(path_before, path_after, segment, out["csa_profile"]);
 
   out["stents"] = json::array();
   for (const StentHistory& h : d.stents) {
     const StentSpec& spec = scene.stents.at(h.device);
     const Segment own = span_of(scene, {h.device, h.branch, h.centre_s, 0});
     const double reference = reference_area(lumen, before.at(h.branch), own);
-    out["stents"].push_back({{"device", h.device},
-                             {"branch", h.branch},
-                             {"inflated_diameter_mm", h.inflated_diameter()},
-                             {"final_diameter_mm", h.final_diameter},
-                             {"minimal_stent_area_mm2", h.minimal_area},
-                             {"minimal_lumen_area_in_stent_mm2", lumen_area_in(h, spec.length, d, lumen.triangles)},
-                             {"expansion_index", reference > 0 ? json(h.minimal_area / reference) : json(nullptr)},
-                             {"recoil_percent", 100 * (1 - h.final_diameter / h.inflated_diameter())},
-                             {"recoil_percent_of_maker", spec.recoil_percent},
-                             {"foreshortening_percent", 100 * (1 - h.final_length / spec.length)}});
+    out["stents"].push_back(
+        {{"device", h.device},
+         {"branch", h.branch},
+         {"inflated_diameter_mm", h.inflated_diameter()},
+         {"final_diameter_mm", h.final_diameter},
+         {"minimal_stent_area_mm2", h.minimal_area},
+         {"minimal_lumen_area_in_stent_mm2", lumen_area_in_stent(h, spec.length, d, lumen.triangles)},
+         {"expansion_index", reference > 0 ? json(h.minimal_area / reference) : json(nullptr)},
+         {"recoil_percent", 100 * (1 - h.final_diameter / h.inflated_diameter())},
+         {"recoil_percent_of_maker", spec.recoil_percent},
+         {"foreshortening_percent", 100 * (1 - h.final_length / spec.length)}});
   }
   for (const char* key : {"minimal_stent_area_mm2", "minimal_lumen_area_in_stent_mm2", "expansion_index"})
-    out[key] = smallest_of(out["stents"], key, std::less<>());
+    out[key] = first_in_order(out["stents"], key, std::less<>());
   for (const char* key : {"recoil_percent", "foreshortening_percent"})
-    out[key] = smallest_of(out["stents"], key, std::greater<>());
+    out[key] = first_in_order(out["stents"], key, std::greater<>());
   const double gap = *std::max_element(d.malapposition.begin(), d.malapposition.end());
   out["maximal_malapposition_mm"] = gap;
   for (const std::string& warning : warnings_of_outcome(out["stents"], gap))

@@ -16,13 +16,13 @@ namespace {
 
 /// Point (mm) of the deployed grid, at a share of its length (0 to 1) and a share of a turn round it. @param x the
 /// grid's vertices
-Vec3 on_cylinder(const RingGrid& grid, const Vectors& x, double length_share, double turn_share) {
+Vec3 point_on_grid(const RingGrid& grid, const Vectors& x, double length_share, double turn_share) {
   const double r = std::clamp(length_share, 0.0, 1.0) * (grid.rings() - 1);
   const int r0 = std::min(static_cast<int>(r), grid.rings() - 2);
-  double k = (turn_share - std::floor(turn_share)) * grid.around;
-  const int k0 = static_cast<int>(k) % grid.around, k1 = (k0 + 1) % grid.around;
+  double k = (turn_share - std::floor(turn_share)) * grid.ring_size;
+  const int k0 = static_cast<int>(k) % grid.ring_size, k1 = (k0 + 1) % grid.ring_size;
   const double u = r - r0, v = k - std::floor(k);
-  const auto at = [&](int ring, int place) { return x[ring * grid.around + place]; };
+  const auto at = [&](int ring, int place) { return x[ring * grid.ring_size + place]; };
   return (1 - u) * ((1 - v) * at(r0, k0) + v * at(r0, k1)) + u * ((1 - v) * at(r0 + 1, k0) + v * at(r0 + 1, k1));
 }
 
@@ -48,10 +48,10 @@ void add_tubes(Struts& s, double thickness) {
   tubes->SetNumberOfSides(sides);
   tubes->CappingOn();
   tubes->SetOutputPointsPrecision(vtkAlgorithm::DOUBLE_PRECISION);
-  vtkNew<vtkTriangleFilter> cut;
-  cut->SetInputConnection(tubes->GetOutputPort());
-  cut->Update();
-  vtkPolyData* surface = cut->GetOutput();
+  vtkNew<vtkTriangleFilter> triangulated;
+  triangulated->SetInputConnection(tubes->GetOutputPort());
+  triangulated->Update();
+  vtkPolyData* surface = triangulated->GetOutput();
   const int first = static_cast<int>(s.points.size());
   for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i)
     s.points.emplace_back(surface->GetPoint(i));
@@ -80,7 +80,7 @@ Struts strut_pattern(const StentSpec& spec, const RingGrid& grid, const Vectors&
       const double turn = static_cast<double>(k) / n;
       const double swing = 0.5 - 0.5 * std::cos(2 * pi * spec.crowns * turn);
       line.push_back(static_cast<int>(s.points.size()));
-      s.points.push_back(on_cylinder(grid, cylinder, (row + row_share * swing) / (rows - 1 + row_share), turn));
+      s.points.push_back(point_on_grid(grid, cylinder, (row + row_share * swing) / (rows - 1 + row_share), turn));
     }
     s.lines.push_back(line);
     for (int link = 0; row + 1 < rows && link < spec.links; ++link) {
@@ -92,7 +92,7 @@ Struts strut_pattern(const StentSpec& spec, const RingGrid& grid, const Vectors&
         const double t = k / 3.0;
         bridge.push_back(static_cast<int>(s.points.size()));
         const double place = (1 - t) * (row + row_share) + t * (row + 1.0);
-        s.points.push_back(on_cylinder(grid, cylinder, place / (rows - 1 + row_share), (1 - t) * from + t * to));
+        s.points.push_back(point_on_grid(grid, cylinder, place / (rows - 1 + row_share), (1 - t) * from + t * to));
       }
       s.lines.push_back(bridge);
     }

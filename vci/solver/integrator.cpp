@@ -9,16 +9,16 @@ namespace vci {
 
 namespace {
 
-constexpr double smallest_step = 0.03; // ms: length of the shortest step
-constexpr int sticking_steps = 8;      // steps with the whole friction stiffness, after a step that turned back
-constexpr double quasi_static = 0.5;   // ms: longer steps drop the velocity, and with it the inertia of the motion
-// After `stalled_steps` / `careful_share` steps without progress, the steps of oscillating vertices are shortened for
+constexpr double smallest_step = 0.03;    // ms: length of the shortest step
+constexpr int sticking_steps = 8;         // steps with the whole friction stiffness, after a step that turned back
+constexpr double quasi_static_step = 0.5; // ms: longer steps drop the velocity, and with it the inertia of the motion
+// After `stalled_steps` / `careful_divisor` steps without progress, the steps of oscillating vertices are shortened for
 // the rest of the stage. Linear solves must then also reach this relative tolerance in the preconditioner's norm.
-constexpr int careful_share = 3;
+constexpr int careful_divisor = 3;
 constexpr double careful_tolerance = 0.1;
 // N: a smaller net force counts as balance. Without this limit an unloaded wall would give 0 / 0, as its applied force
 // is 0.
-constexpr double rounding = 1e-9;
+constexpr double negligible_force = 1e-9;
 
 struct Forces {
   Vectors elastic, foundation, pressure, contact, total;
@@ -35,16 +35,16 @@ void assemble(System& system, Interactions& interactions, Forces& f) {
   add_contact_forces(f.points, f.contact);
   add_tie_forces(interactions.ties, system.x, f.contact);
   f.total = f.elastic;
-  double applied = 0, left = 0;
+  double applied = 0, unbalanced = 0;
   for (std::size_t i = 0; i < f.total.size(); ++i) {
-    const Vec3 outside = f.foundation[i] + f.pressure[i] + f.contact[i];
-    f.total[i] += outside;
+    const Vec3 external = f.foundation[i] + f.pressure[i] + f.contact[i];
+    f.total[i] += external;
     if (!system.fixed[i]) {
-      applied += outside.squaredNorm();
-      left += f.total[i].squaredNorm();
+      applied += external.squaredNorm();
+      unbalanced += f.total[i].squaredNorm();
     }
   }
-  f.residual = left <= rounding * rounding ? 0 : std::sqrt(left / applied);
+  f.residual = unbalanced <= negligible_force * negligible_force ? 0 : std::sqrt(unbalanced / applied);
 }
 
 /// The forces of the current state. They are 0 at fixed vertices, whose supports are no part of the balance.
@@ -58,7 +58,7 @@ Balance balance_of(const Forces& f, const std::vector<char>& fixed) {
 }
 
 /// The displacement (mm) that one vertex in a hundred exceeds. A single loose vertex must not set the step's length.
-double large_displacement(const Vectors& dx) {
+double displacement_percentile(const Vectors& dx) {
   std::vector<double> length;
   length.reserve(dx.size());
   for (const Vec3& d : dx)
@@ -74,14 +74,14 @@ class Inertia {
 public:
   Inertia(const System& system, const IntegratorSettings& s) : system_(system), s_(s) {}
   /// 1 + b / h, with b the stiffness damping (ms) and h in ms. Matrix and load of a step are divided by this factor.
-  double factor(double h) const { return 1 + s_.stiffness_damping / h; }
-  /// Replaces the terms that the last call added by those of a step of h ms. With `anew`, the matrix was just assembled
-  /// and holds no such terms.
-  void put(double h, bool anew, BlockMatrix& matrix) {
-    if (anew)
+  double damping_factor(double h) const { return 1 + s_.stiffness_damping / h; }
+  /// Replaces the terms that the last call added by those of a step of h ms. With `freshly_assembled`, the matrix was
+  /// just assembled and holds no such terms.
+  void replace_terms(double h, bool freshly_assembled, BlockMatrix& matrix) {
+    if (freshly_assembled)
       added_.assign(system_.vertices(), 0.0);
     for (int i = 0; i < system_.vertices(); ++i) {
-      const double part = (system_.mass[i] / (h * h) + s_.damping * system_.area[i] / h) / factor(h);
+      const double part = (system_.mass[i] / (h * h) + s_.damping * system_.area[i] / h) / damping_factor(h);
       matrix.block(matrix.diagonal_slot(i)).diagonal().array() += part - added_[i];
       added_[i] = part;
     }
@@ -112,7 +112,7 @@ Imbalance largest_imbalance(const Vectors& total, const std::vector<char>& fixed
   return largest;
 }
 
-void read_contact(const Forces& f, RelaxResult& result) {
+void record_contact(const Forces& f, RelaxResult& result) {
   result.contacts = static_cast<int>(f.points.size());
   result.maximal_penetration = result.mean_penetration = 0;
   result.deepest = {-1, -1};
@@ -128,17 +128,17 @@ void read_contact(const Forces& f, RelaxResult& result) {
 
 } // namespace
 
-void Interactions::forget(int body) {
+void Interactions::remove_body(int body) {
   std::erase_if(contacts, [&](const SurfaceContact& c) { return c.inner() == body || c.outer() == body; });
   std::erase_if(self_contacts, [&](const SelfContact& c) { return c.body() == body; });
-  trees->forget(body);
+  trees->remove_body(body);
 }
 
 void Interactions::detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points,
-                          double ahead) {
+                          double lookahead_ms) {
   const Normals all(normals);
   for (SurfaceContact& contact : contacts)
-    contact.detect(system, all, points, ahead);
+    contact.detect(system, all, points, lookahead_ms);
   for (SelfContact& contact : self_contacts)
     contact.detect(system, normals, points);
 }
@@ -155,28 +155,28 @@ public:
   }
 
   RelaxResult run(Balance* balance) {
-    while (!ended(balance)) {
+    while (!stage_ended(balance)) {
       if (settling_)
-        follow_residual();
+        adapt_step_to_residual();
       previous_residual_ = forces_.residual;
       gather_stencils();
-      const double typical = solve();
-      take(typical);
-      next_step_length(typical);
+      const double large_displacement = solve();
+      apply_step(large_displacement);
+      adapt_step_to_displacement(large_displacement);
     }
     return result_;
   }
 
 private:
   /// Evaluates the forces at the current positions. Returns true if the stage ends here, with or without balance.
-  bool ended(Balance* balance) {
+  bool stage_ended(Balance* balance) {
     assemble(system_, interactions_, forces_);
     if (forces_.residual <= s_.residual_tolerance && stiffen_deep_contacts(forces_.points, s_.maximal_penetration)) {
       assemble(system_, interactions_, forces_);
       best_residual_ = 1e300;
     }
     result_.residual = forces_.residual;
-    read_contact(forces_, result_);
+    record_contact(forces_, result_);
     if (!std::isfinite(forces_.residual))
       return true;
     if (interactions_.after_step && result_.steps > 0)
@@ -187,18 +187,18 @@ private:
         *balance = balance_of(forces_, system_.fixed);
       return true;
     }
-    return gave_up();
+    return must_give_up();
   }
 
   /// Counts the steps without progress, and after a third of `stalled_steps` begins to damp oscillating vertices.
   /// Returns true if the stage must be given up: after `stalled_steps`, or at the maximal number of steps.
-  bool gave_up() {
+  bool must_give_up() {
     if (forces_.residual < 0.9 * best_residual_) {
       best_residual_ = forces_.residual;
       best_step_ = result_.steps;
     }
     const int without_progress = result_.steps - best_step_;
-    if (!damping_ && without_progress >= std::max(1, s_.stalled_steps / careful_share)) {
+    if (!damping_ && without_progress >= std::max(1, s_.stalled_steps / careful_divisor)) {
       damping_.emplace();
       pcg_.preconditioned_tolerance = careful_tolerance;
       result_.careful_from = best_step_ = result_.steps;
@@ -213,7 +213,7 @@ private:
   /// Sets the next step's length by the residual. This is done near the end of a stage, where displacements are small.
   /// Contacts that switch on and off make the residual jump, and shorter steps settle them. A balloon that slides or
   /// bends makes the residual rise slowly, and longer steps help.
-  void follow_residual() {
+  void adapt_step_to_residual() {
     h_ *= forces_.residual > 1.4 * previous_residual_ ? 0.5 : 1.8;
     h_ = std::clamp(h_, 10 * smallest_step, s_.maximal_step);
   }
@@ -223,44 +223,44 @@ private:
     for (const ContactPoint& p : forces_.points) {
       stencils_.push_back(p.stencil);
       if (sticking_ > 0) // a sliding contact may stick again
-        stencils_.back().sliding.setZero();
+        stencils_.back().slip_softening.setZero();
     }
     for (const Tie& tie : interactions_.ties)
       stencils_.push_back(tie.stencil);
   }
 
   /// Largest displacement allowed in a step, mm.
-  double limit() const { return 1.5 * s_.displacement_per_step; }
+  double displacement_limit() const { return 1.5 * s_.displacement_per_step; }
 
   /// Solves for the displacements, and solves again with a shorter step while they exceed the limit. A step that is too
   /// long is not taken, because its plastic strain would stay. Returns the displacement (mm) that one vertex in a
   /// hundred exceeds.
   double solve() {
-    for (bool anew = true;; anew = false) {
-      inertia_.put(h_, anew, system_.matrix());
+    for (bool freshly_assembled = true;; freshly_assembled = false) {
+      inertia_.replace_terms(h_, freshly_assembled, system_.matrix());
       load_.resize(forces_.total.size());
       for (int i = 0; i < system_.vertices(); ++i)
-        load_[i] = (forces_.total[i] + system_.mass[i] / h_ * system_.velocity[i]) / inertia_.factor(h_);
+        load_[i] = (forces_.total[i] + system_.mass[i] / h_ * system_.velocity[i]) / inertia_.damping_factor(h_);
       result_.cg_iterations +=
-          solve_pcg(system_.matrix(), stencils_, system_.fixed, load_, dx_, pcg_, &memory_).iterations;
+          solve_pcg(system_.matrix(), stencils_, system_.fixed, load_, dx_, pcg_, &preconditioner_).iterations;
       ++result_.steps;
-      const double typical = large_displacement(dx_);
-      if (typical <= limit() || h_ <= smallest_step || result_.steps == s_.maximal_steps)
-        return typical;
-      h_ = std::max(smallest_step, h_ * std::clamp(s_.displacement_per_step / typical, 0.1, 0.5));
+      const double large_displacement = displacement_percentile(dx_);
+      if (large_displacement <= displacement_limit() || h_ <= smallest_step || result_.steps == s_.maximal_steps)
+        return large_displacement;
+      h_ = std::max(smallest_step, h_ * std::clamp(s_.displacement_per_step / large_displacement, 0.1, 0.5));
     }
   }
 
   /// Moves the vertices and commits slip and plastic strain.
-  void take(double typical) {
-    const bool inertial = h_ <= quasi_static;
+  void apply_step(double large_displacement) {
+    const bool inertial = h_ <= quasi_static_step;
     if (damping_ && !inertial)
-      damping_->damp(dx_, last_dx_, typical);
+      damping_->damp(dx_, last_dx_, large_displacement);
     // Only a vertex that exceeds the limit is held back, since the step is good for the others.
     for (int i = 0; i < system_.vertices(); ++i) {
       const double length = dx_[i].norm();
-      if (length > limit())
-        dx_[i] *= limit() / length;
+      if (length > displacement_limit())
+        dx_[i] *= displacement_limit() / length;
       system_.x[i] += dx_[i];
       system_.velocity[i] = inertial ? Vec3(dx_[i] / h_) : Vec3(Vec3::Zero());
     }
@@ -270,8 +270,8 @@ private:
     last_dx_ = dx_;
   }
 
-  void next_step_length(double typical) {
-    const double step_scale = typical > 0 ? s_.displacement_per_step / typical : 2.0;
+  void adapt_step_to_displacement(double large_displacement) {
+    const double step_scale = large_displacement > 0 ? s_.displacement_per_step / large_displacement : 2.0;
     settling_ = forces_.residual < 0.1 && step_scale > 4.0;
     if (!settling_)
       h_ = std::clamp(h_ * std::clamp(step_scale, 0.4, 2.0), smallest_step, s_.maximal_step);
@@ -284,7 +284,7 @@ private:
   Forces forces_;
   Vectors dx_, last_dx_, load_;
   std::vector<StencilStiffness> stencils_;
-  PcgMemory memory_;
+  PreconditionerCache preconditioner_;
   Inertia inertia_;
   PcgSettings pcg_;
   std::optional<StepRelaxation> damping_; ///< shortens the steps of oscillating vertices; empty until progress stalls

@@ -38,10 +38,10 @@ struct Interactions {
   /// If set, called after each step with the number of steps done and the forces (empty in textbook integration).
   std::function<void(int, const Balance&)> after_step;
   /// Removes the contacts and the search tree of a body.
-  void forget(int body);
+  void remove_body(int body);
   /// Appends all active contact points to `points`. @param normals area vectors of all vertices
-  /// @param ahead time (ms) over which a time-averaged law predicts the gap from the velocities
-  void detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points, double ahead = 0);
+  /// @param lookahead_ms time (ms) over which a time-averaged law predicts the gap from the velocities
+  void detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points, double lookahead_ms = 0);
 };
 
 /// The free vertex with the largest net force.

@@ -16,9 +16,9 @@ public:
   /// A single turn does no harm: the linear solves reduce their residual only to a fifth, so many vertices turn back a
   /// little.
   /// @param displacement the step as solved; shortened in place
-  /// @param last the displacement taken in the step before; with another number of vertices nothing is changed
-  /// @param typical the displacement that one vertex in a hundred exceeds
-  void damp(Vectors& displacement, const Vectors& last, double typical);
+  /// @param previous the displacement taken in the step before; with another number of vertices nothing is changed
+  /// @param large_displacement the displacement that one vertex in a hundred exceeds
+  void damp(Vectors& displacement, const Vectors& previous, double large_displacement);
 
 private:
   std::vector<double> share_; ///< share of its displacement that each vertex takes

@@ -19,7 +19,7 @@ double root_mean_square_velocity(const System& system) {
 }
 
 /// Takes one step. Returns the number of iterations of its linear solve.
-int step(System& system, Interactions& interactions, const IntegratorSettings& s) {
+int take_step(System& system, Interactions& interactions, const IntegratorSettings& s) {
   const double h = s.fixed_step;
   Vectors elastic, foundation, force, dx;
   system.evaluate(elastic, foundation, force, true);
@@ -39,10 +39,10 @@ int step(System& system, Interactions& interactions, const IntegratorSettings& s
     matrix.block(matrix.diagonal_slot(i)).diagonal().array() += system.mass[i] / (h * h);
     force[i] += elastic[i] + foundation[i] + system.mass[i] / h * system.velocity[i];
   }
-  PcgSettings plain = s.pcg;
-  plain.plain = true;
-  plain.patch_size = 0;
-  const int iterations = solve_pcg(matrix, stencils, system.fixed, force, dx, plain).iterations;
+  PcgSettings pcg = s.pcg;
+  pcg.unpreconditioned = true;
+  pcg.patch_size = 0;
+  const int iterations = solve_pcg(matrix, stencils, system.fixed, force, dx, pcg).iterations;
   for (int i = 0; i < system.vertices(); ++i) {
     system.x[i] += dx[i];
     system.velocity[i] = s.velocity_kept / h * dx[i];
@@ -59,7 +59,7 @@ RelaxResult relax_textbook(System& system, Interactions& interactions, const Int
   bool at_rest = false;
   system.velocity.assign(system.x.size(), Vec3::Zero());
   while (!at_rest && steps < s.maximal_steps) {
-    iterations += step(system, interactions, s);
+    iterations += take_step(system, interactions, s);
     ++steps;
     if (interactions.after_step)
       interactions.after_step(steps, {});
@@ -68,9 +68,9 @@ RelaxResult relax_textbook(System& system, Interactions& interactions, const Int
       break;
     at_rest = velocity <= s.velocity_stop;
   }
-  IntegratorSettings only_measure = s;
-  only_measure.residual_tolerance = std::numeric_limits<double>::max();
-  RelaxResult result = relax(system, interactions, only_measure, balance);
+  IntegratorSettings measure_settings = s;
+  measure_settings.residual_tolerance = std::numeric_limits<double>::max();
+  RelaxResult result = relax(system, interactions, measure_settings, balance);
   result.converged = at_rest;
   result.steps = steps;
   result.cg_iterations = iterations;

@@ -6,7 +6,7 @@
 
 namespace vci {
 
-std::array<double, 2> RingLaw::pressure(double u) const {
+std::array<double, 2> RingLaw::pressure_and_slope(double u) const {
   const double a = lumen_radius + std::max(u, 0.0);
   const double b = std::sqrt(media_radius * media_radius + a * a - lumen_radius * lumen_radius);
   const double e = b / media_radius - 1.0;
@@ -45,7 +45,7 @@ double RingFoundation::energy(const Vectors& x) const {
     const double u = d.dot(e.normal);
     double work = 0;
     for (int k = 0; k < 4; ++k)
-      work += weight[k] * u * e.law.pressure(place[k] * u)[0];
+      work += weight[k] * u * e.law.pressure_and_slope(place[k] * u)[0];
     sum += e.area * (work + 0.5 * e.law.tangential_stiffness * (d.squaredNorm() - u * u));
   }
   return sum;
@@ -58,7 +58,7 @@ void RingFoundation::evaluate(const Vectors& x, Vectors& force, BlockMatrix* sti
     const Vec3 d = x[e.vertex] - e.origin;
     const double u = d.dot(e.normal);
     const Vec3 direction = normals.empty() ? e.normal : normals[e.vertex].normalized();
-    const auto [pressure, slope] = e.law.pressure(u);
+    const auto [pressure, slope] = e.law.pressure_and_slope(u);
     const double tangential = e.law.tangential_stiffness;
     force[e.vertex] -= e.area * (pressure * direction + tangential * (d - u * e.normal));
     if (!stiffness)

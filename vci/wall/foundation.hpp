@@ -22,7 +22,7 @@ struct RingLaw {
   double media_radius;         ///< b0, mm
 
   /// Force per reference area, p a / a0 (MPa), at a displacement u (mm), and its derivative by u (MPa/mm).
-  std::array<double, 2> pressure(double u) const;
+  std::array<double, 2> pressure_and_slope(double u) const;
 };
 
 /// Media and tissue as a RingLaw at each vertex. If the surface's triangles are given, the pressure follows the current

@@ -12,7 +12,7 @@ namespace vci {
 namespace {
 
 /// The two edges of a triangle from its corner 0 (columns, mm), in an orthonormal basis of the triangle's plane.
-Mat2 flat_edges(const Triangle& t, const Vectors& x) {
+Mat2 edges_in_plane(const Triangle& t, const Vectors& x) {
   const Vec3 u = x[t[1]] - x[t[0]], v = x[t[2]] - x[t[0]];
   const double l = u.norm();
   Mat2 flat;
@@ -37,25 +37,25 @@ std::array<double, 3> spring_stiffness(const std::array<Vec3, 3>& x, double modu
 MassSpring::MassSpring(const Triangles& triangles, const Vectors& reference, const std::vector<HenckyLaw>& laws,
                        SpringMapping mapping)
     : triangles_(triangles) {
-  std::map<std::array<int, 2>, double> along_edge;
+  std::map<std::array<int, 2>, double> edge_stiffness;
   for (std::size_t k = 0; k < triangles.size(); ++k) {
     const Triangle& t = triangles[k];
     if (!(area_vector(t, reference).norm() > 0))
       throw std::invalid_argument("spring triangle " + std::to_string(k) + " has no area");
-    inverse_edges_.push_back(flat_edges(t, reference).inverse());
+    inverse_edges_.push_back(edges_in_plane(t, reference).inverse());
     const HenckyLaw& law = laws[k];
     const auto stiffness = spring_stiffness({reference[t[0]], reference[t[1]], reference[t[2]]}, law.stiffness,
                                             law.poisson_ratio, mapping);
     for (int i = 0; i < 3; ++i) {
       const int a = std::min(t[(i + 1) % 3], t[(i + 2) % 3]), b = std::max(t[(i + 1) % 3], t[(i + 2) % 3]);
       add_edge(a, b);
-      along_edge[{a, b}] += stiffness[i];
+      edge_stiffness[{a, b}] += stiffness[i];
       springs_.push_back({stiffness[i], (reference[b] - reference[a]).norm(), 0, 1, 1, law.stiffening, law.yield_strain,
                           law.hardening, law.depth});
     }
   }
   for (std::size_t k = 0; k < springs_.size(); ++k)
-    springs_[k].along_edge = along_edge[edges_[k]];
+    springs_[k].edge_stiffness = edge_stiffness[edges_[k]];
 }
 
 double MassSpring::Spring::layer_strain(double length) const {
@@ -81,7 +81,7 @@ EdgeForce::Tension MassSpring::tension(std::size_t k, double length) const {
   const double layer = 1 + e, share = 1 + s.depth;
   const double first = stretch / (layer * share) * to_stretch;
   const double second = s.depth / (layer * layer * layer * share * share) * to_stretch * to_stretch;
-  const double scale = s.stiffness * s.rest_length * s.rest_length * s.layer_set;
+  const double scale = s.stiffness * s.rest_length * s.rest_length * s.layer_plastic_stretch;
   return {scale * energy, scale * slope * first, scale * (curvature * first * first + slope * second)};
 }
 
@@ -93,10 +93,10 @@ void MassSpring::commit(const Vectors& x) {
       continue;
     // As in HenckyLaw::flow(), the depth is relative to the lumen as it has widened permanently.
     const double stretch = length(k, x) / (s.rest_length * s.plastic_stretch);
-    const double elastic = 1 + std::copysign(s.elastic_part(w), e), lasting = (1 + e) / elastic;
+    const double elastic = 1 + std::copysign(s.elastic_part(w), e), permanent = (1 + e) / elastic;
     s.yield_strain = s.elastic_part(w);
-    s.depth /= lasting > 1 ? lasting * lasting * (1 + s.depth) - s.depth : 1;
-    s.layer_set *= lasting; // so that the force stays the same
+    s.depth /= permanent > 1 ? permanent * permanent * (1 + s.depth) - s.depth : 1;
+    s.layer_plastic_stretch *= permanent; // so that the force stays the same
     s.plastic_stretch *= stretch / std::sqrt(elastic * elastic * (1 + s.depth) - s.depth);
   }
 }
@@ -107,21 +107,21 @@ void MassSpring::add_damping(const Vectors& x, const std::vector<double>& mass, 
     const Spring& s = springs_[k];
     const auto [i, j] = edges_[k];
     const Vec3 e = (x[j] - x[i]).normalized();
-    const double c = 2 * s.stiffness * std::sqrt(0.5 * (mass[i] + mass[j]) / s.along_edge);
-    add_along(matrix, k, rate * c * e * e.transpose());
+    const double c = 2 * s.stiffness * std::sqrt(0.5 * (mass[i] + mass[j]) / s.edge_stiffness);
+    add_edge_stiffness(matrix, k, rate * c * e * e.transpose());
   }
 }
 
 std::vector<double> MassSpring::largest_stretch(const Vectors& x) const {
   std::vector<double> stretch;
   for (std::size_t k = 0; k < triangles_.size(); ++k) {
-    const Mat2 f = flat_edges(triangles_[k], x) * inverse_edges_[k], c = f.transpose() * f;
+    const Mat2 f = edges_in_plane(triangles_[k], x) * inverse_edges_[k], c = f.transpose() * f;
     stretch.push_back(std::sqrt(0.5 * c.trace() + std::hypot(0.5 * (c(0, 0) - c(1, 1)), c(0, 1))));
   }
   return stretch;
 }
 
-int MassSpring::yielding(const Vectors& x) const {
+int MassSpring::count_yielding(const Vectors& x) const {
   int count = 0;
   for (std::size_t k = 0; k < springs_.size(); ++k)
     count += std::abs(springs_[k].layer_strain(length(k, x))) > springs_[k].yield_strain;

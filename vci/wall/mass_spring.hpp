@@ -30,7 +30,7 @@ public:
   void add_damping(const Vectors& x, const std::vector<double>& mass, double rate, BlockMatrix& matrix) const override;
   std::vector<double> largest_stretch(const Vectors& x) const override;
   /// Number of springs that yield at positions x.
-  int yielding(const Vectors& x) const;
+  int count_yielding(const Vectors& x) const;
 
 protected:
   Tension tension(std::size_t k, double length) const override;
@@ -38,8 +38,8 @@ protected:
 private:
   struct Spring {
     /// N/mm; mm; sum of the stiffnesses of the springs along the same edge, N/mm
-    double stiffness, rest_length, along_edge;
-    double plastic_stretch, layer_set; ///< permanent stretch of the lumen, and of the layer itself
+    double stiffness, rest_length, edge_stiffness;
+    double plastic_stretch, layer_plastic_stretch; ///< permanent stretch of the lumen, and of the layer itself
     double stiffening, yield_strain, hardening, depth;
     double layer_strain(double length) const;
     double elastic_part(double strain) const { return yield_strain + hardening * (strain - yield_strain); }

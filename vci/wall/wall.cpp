@@ -10,13 +10,13 @@ namespace vci {
 
 namespace {
 
-constexpr double thinnest_plaque = 0.05; // mm: a triangle with thinner plaque gets no plaque layers
+constexpr double least_plaque_thickness = 0.05; // mm: a triangle with thinner plaque gets no plaque layers
 
 /// Completes the law of a layer with its stiffness and depth.
 /// @param modulus MPa
 /// @param thickness mm
 /// @param ratio radius of the layer over the lumen's radius
-HenckyLaw at_depth(HenckyLaw law, double modulus, double thickness, double ratio) {
+HenckyLaw law_at_depth(HenckyLaw law, double modulus, double thickness, double ratio) {
   law.stiffness = modulus * thickness * ratio;
   law.depth = ratio * ratio - 1;
   return law;
@@ -25,36 +25,36 @@ HenckyLaw at_depth(HenckyLaw law, double modulus, double thickness, double ratio
 } // namespace
 
 std::array<HenckyLaw, 2> plaque_layers(const HenckyLaw& law, double modulus, double thickness, double radius) {
-  constexpr double gauss[2] = {0.2113248654051871, 0.7886751345948129};
-  const double widest = 1 + thickness / radius;
+  constexpr double gauss_points[2] = {0.2113248654051871, 0.7886751345948129};
+  const double outer_ratio = 1 + thickness / radius;
   const auto layer = [&](double place) {
-    const double ratio = std::pow(widest, place);
-    return at_depth(law, modulus, 0.5 * radius * ratio * std::log(widest), ratio);
+    const double ratio = std::pow(outer_ratio, place);
+    return law_at_depth(law, modulus, 0.5 * radius * ratio * std::log(outer_ratio), ratio);
   };
-  return {layer(gauss[0]), layer(gauss[1])};
+  return {layer(gauss_points[0]), layer(gauss_points[1])};
 }
 
 namespace {
 
 /// The moving part of the lumen: its points, its triangles as indices into these points, and a flag for each point that
 /// is held in place.
-struct Part {
+struct MovingPart {
   Vectors points;
   Triangles triangles;
   std::vector<char> fixed;
 };
 
-/// @param free flag of each of the lumen's points: may move
+/// @param may_move flag of each of the lumen's points: may move
 /// @param wall receives the numbers in the lumen of the moving part's vertices and triangles
-Part moving_part(const Lumen& lumen, const std::vector<char>& free, Wall& wall) {
+MovingPart moving_part(const Lumen& lumen, const std::vector<char>& may_move, Wall& wall) {
   std::vector<char> cap(lumen.points.size(), 0);
   for (std::size_t k = 0; k < lumen.triangles.size(); ++k)
     if (lumen.region[k] != 0)
       for (int v : lumen.triangles[k])
         cap[v] = 1;
-  const auto moves = [&](int v) { return free[v] && !cap[v]; };
+  const auto moves = [&](int v) { return may_move[v] && !cap[v]; };
   std::vector<int> local(lumen.points.size(), -1);
-  Part part;
+  MovingPart part;
   for (std::size_t k = 0; k < lumen.triangles.size(); ++k) {
     const Triangle& t = lumen.triangles[k];
     if (lumen.region[k] != 0 || !std::any_of(t.begin(), t.end(), moves))
@@ -62,15 +62,15 @@ Part moving_part(const Lumen& lumen, const std::vector<char>& free, Wall& wall) 
     Triangle own;
     for (int i = 0; i < 3; ++i) {
       if (local[t[i]] < 0) {
-        local[t[i]] = static_cast<int>(wall.vertex.size());
-        wall.vertex.push_back(t[i]);
+        local[t[i]] = static_cast<int>(wall.lumen_vertex.size());
+        wall.lumen_vertex.push_back(t[i]);
         part.points.push_back(lumen.points[t[i]]);
         part.fixed.push_back(!moves(t[i]));
       }
       own[i] = local[t[i]];
     }
     part.triangles.push_back(own);
-    wall.triangle.push_back(static_cast<int>(k));
+    wall.lumen_triangle.push_back(static_cast<int>(k));
   }
   if (part.triangles.empty())
     throw common::InputError("no wall lies near the devices", "procedure", "0 triangles",
@@ -79,16 +79,16 @@ Part moving_part(const Lumen& lumen, const std::vector<char>& free, Wall& wall) 
 }
 
 /// Plaque of a triangle, with means over its corners. The stiffest type at its corners gives the yield law.
-struct Plaque {
+struct TrianglePlaque {
   double thickness = 0, modulus = 0, radius = 0; ///< mm, MPa, mm (of the lumen)
   int type = 0;                                  ///< 0: no plaque, or too thin for plaque layers
 };
 
-Plaque plaque_of(const Triangle& t, const Lumen& lumen, const Wall& wall, const WallSpec& spec) {
-  Plaque plaque;
+TrianglePlaque triangle_plaque(const Triangle& t, const Lumen& lumen, const Wall& wall, const WallSpec& spec) {
+  TrianglePlaque plaque;
   double modulus = 0, weight = 0;
   for (int v : t) {
-    const int g = wall.vertex[v], type = lumen.plaque_type[g];
+    const int g = wall.lumen_vertex[v], type = lumen.plaque_type[g];
     plaque.thickness += lumen.plaque[g] / 3.0;
     plaque.radius += lumen.radius[g] / 3.0;
     if (type > 0) {
@@ -98,7 +98,7 @@ Plaque plaque_of(const Triangle& t, const Lumen& lumen, const Wall& wall, const 
         plaque.type = type;
     }
   }
-  if (plaque.thickness < thinnest_plaque || weight <= 0)
+  if (plaque.thickness < least_plaque_thickness || weight <= 0)
     plaque.type = 0;
   plaque.modulus = modulus / weight;
   return plaque;
@@ -106,16 +106,16 @@ Plaque plaque_of(const Triangle& t, const Lumen& lumen, const Wall& wall, const 
 
 /// Adds the healthy intima and, on triangles with plaque, two layers that represent the plaque. Returns the intima,
 /// whose stretch is reported.
-const Layer* add_layers(System& system, int body, const Part& part, const Lumen& lumen, const Wall& wall,
-                        const WallSpec& spec) {
+const Layer* add_wall_layers(System& system, int body, const MovingPart& part, const Lumen& lumen, const Wall& wall,
+                             const WallSpec& spec) {
   std::vector<HenckyLaw> intima;
   std::array<std::vector<HenckyLaw>, 2> plaque;
   Triangles with_plaque;
   for (const Triangle& t : part.triangles) {
-    const Plaque own = plaque_of(t, lumen, wall, spec);
+    const TrianglePlaque own = triangle_plaque(t, lumen, wall, spec);
     // the healthy intima lies outside the plaque, where the wall stretches less than the lumen
-    intima.push_back(at_depth({0, spec.poisson_ratio, spec.stiffening}, spec.youngs_modulus, spec.intima_thickness,
-                              own.type == 0 ? 1 : 1 + own.thickness / own.radius));
+    intima.push_back(law_at_depth({0, spec.poisson_ratio, spec.stiffening}, spec.youngs_modulus, spec.intima_thickness,
+                                  own.type == 0 ? 1 : 1 + own.thickness / own.radius));
     if (own.type == 0)
       continue;
     with_plaque.push_back(t);
@@ -125,29 +125,29 @@ const Layer* add_layers(System& system, int body, const Part& part, const Lumen&
     for (std::size_t k = 0; k < layers.size(); ++k)
       plaque[k].push_back(layers[k]);
   }
-  const Layer* added = &add_layer(system, body, spec, part.triangles, part.points, std::move(intima));
+  const Layer* intima_layer = &add_layer(system, body, spec, part.triangles, part.points, std::move(intima));
   if (!with_plaque.empty())
     for (const std::vector<HenckyLaw>& layer : plaque)
       add_layer(system, body, spec, with_plaque, part.points, layer);
-  return added;
+  return intima_layer;
 }
 
 /// Adds the bending stiffness of intima and media together.
-void add_bending(System& system, int body, const Part& part, const WallSpec& spec) {
+void add_bending(System& system, int body, const MovingPart& part, const WallSpec& spec) {
   const double t = spec.intima_thickness + spec.media_thickness;
   const double rigidity = spec.youngs_modulus * t * t * t / (12 * (1 - spec.poisson_ratio * spec.poisson_ratio));
-  const std::vector<EdgePair> edges = interior_edges(part.triangles, part.points);
+  const std::vector<InteriorEdge> edges = interior_edges(part.triangles, part.points);
   system.add_force(body, std::make_unique<Hinges>(edges, part.points, shell_coefficients(edges, part.points, rigidity),
                                                   spec.hinge_yield));
 }
 
 /// Adds media, surrounding tissue and the prestress by blood pressure. @param map_pa mean blood pressure, Pa
-void add_foundation(System& system, int body, const Part& part, const Lumen& lumen, const Wall& wall,
+void add_foundation(System& system, int body, const MovingPart& part, const Lumen& lumen, const Wall& wall,
                     const WallSpec& spec, double map_pa) {
   const Vectors areas = vertex_area_vectors(part.triangles, part.points, 0, static_cast<int>(part.points.size()));
   std::vector<RingFoundation::Element> rings;
   for (std::size_t i = 0; i < part.points.size(); ++i) {
-    const int g = wall.vertex[i];
+    const int g = wall.lumen_vertex[i];
     const RingLaw law{spec.youngs_modulus * spec.media_thickness,
                       spec.stiffening,
                       spec.tissue_modulus / (1 + spec.poisson_ratio),
@@ -162,22 +162,23 @@ void add_foundation(System& system, int body, const Part& part, const Lumen& lum
 
 } // namespace
 
-Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& free, const WallSpec& spec, double map_pa) {
+Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& may_move, const WallSpec& spec,
+              double map_pa) {
   Wall wall{};
-  const Part part = moving_part(lumen, free, wall);
-  wall.fixed = static_cast<int>(std::count(part.fixed.begin(), part.fixed.end(), 1));
+  const MovingPart part = moving_part(lumen, may_move, wall);
+  wall.fixed_count = static_cast<int>(std::count(part.fixed.begin(), part.fixed.end(), 1));
   const double surface_density = spec.density * (spec.intima_thickness + spec.media_thickness);
   const int body = system.add_body("wall", part.points, part.triangles, surface_density, part.fixed);
-  wall.intima = add_layers(system, body, part, lumen, wall, spec);
+  wall.intima = add_wall_layers(system, body, part, lumen, wall, spec);
   add_bending(system, body, part, spec);
   add_foundation(system, body, part, lumen, wall, spec, map_pa);
   return wall;
 }
 
-Vectors moved_points(const Lumen& lumen, const Wall& wall, const System& system) {
+Vectors current_lumen_points(const Lumen& lumen, const Wall& wall, const System& system) {
   Vectors points = lumen.points;
-  for (std::size_t i = 0; i < wall.vertex.size(); ++i)
-    points[wall.vertex[i]] = system.x[i];
+  for (std::size_t i = 0; i < wall.lumen_vertex.size(); ++i)
+    points[wall.lumen_vertex[i]] = system.x[i];
   return points;
 }
 

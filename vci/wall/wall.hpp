@@ -7,10 +7,10 @@ namespace vci {
 
 /// The part of the lumen that may move, as body 0 of a system.
 struct Wall {
-  std::vector<int> vertex;   ///< for each vertex of the body, its number in the lumen
-  std::vector<int> triangle; ///< for each triangle of the body, its number in the lumen
-  const Layer* intima;       ///< the layer whose stretch is reported
-  int fixed;                 ///< number of vertices held in place at the border of the moving part
+  std::vector<int> lumen_vertex;   ///< for each vertex of the body, its number in the lumen
+  std::vector<int> lumen_triangle; ///< for each triangle of the body, its number in the lumen
+  const Layer* intima;             ///< the layer whose stretch is reported
+  int fixed_count;                 ///< number of vertices held in place at the border of the moving part
 };
 
 /// Laws of two layers that represent plaque of a thickness (mm) and modulus (MPa) on a lumen of a radius (mm). The
@@ -20,11 +20,12 @@ struct Wall {
 std::array<HenckyLaw, 2> plaque_layers(const HenckyLaw& law, double modulus, double thickness, double radius);
 
 /// Adds the wall to an empty system. Throws InputError if no triangle of the wall may move.
-/// @param free flag of each lumen vertex: may move (vertices of caps never move)
+/// @param may_move flag of each lumen vertex: may move (vertices of caps never move)
 /// @param map_pa mean blood pressure, Pa
-Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& free, const WallSpec& spec, double map_pa);
+Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& may_move, const WallSpec& spec,
+              double map_pa);
 
 /// Positions (mm) of all lumen points: current ones for the wall's vertices, original ones for all others.
-Vectors moved_points(const Lumen& lumen, const Wall& wall, const System& system);
+Vectors current_lumen_points(const Lumen& lumen, const Wall& wall, const System& system);
 
 } // namespace vci

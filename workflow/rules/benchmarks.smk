@@ -1,7 +1,7 @@
 # Benchmarks of each part: speed against error, and hard cases. They take minutes to hours and are no part of the study.
 # The report shows the ones that were run. They measure time, so they run one at a time: `threads` takes every core of
-# this machine, and a cluster gives each a whole node (NODE).
-ALONE = workflow.global_resources["_cores"] or 1
+# this machine, and a cluster gives each a whole node (WHOLE_NODE).
+ALL_CORES = workflow.global_resources["_cores"] or 1
 BENCHMARKS = {
     "deployment_speed": "benchmark.csv",
     "deployment_baseline": "baseline.csv",
@@ -38,9 +38,9 @@ rule deployment_speed:
         "results/benchmarks/logs/deployment_speed.log",
     benchmark:
         "results/benchmarks/logs/deployment_speed.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         build=programs_folder,
         out=output_folder,
@@ -62,9 +62,9 @@ rule deployment_baseline:
         "results/benchmarks/logs/deployment_baseline.log",
     benchmark:
         "results/benchmarks/logs/deployment_baseline.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         build=programs_folder,
         out=output_folder,
@@ -85,9 +85,9 @@ rule deployment_hard_cases:
         "results/benchmarks/logs/deployment_hard_cases.log",
     benchmark:
         "results/benchmarks/logs/deployment_hard_cases.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         build=programs_folder,
         out=output_folder,
@@ -107,9 +107,9 @@ rule deployment_sensitivity:
         "results/benchmarks/logs/deployment_sensitivity.log",
     benchmark:
         "results/benchmarks/logs/deployment_sensitivity.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         build=programs_folder,
         out=output_folder,
@@ -132,9 +132,9 @@ rule deployment_coarse_walls:
         "results/benchmarks/logs/deployment_coarse_walls.log",
     benchmark:
         "results/benchmarks/logs/deployment_coarse_walls.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         cases=expand("results/cases/{case}", case=CASES),
         build=programs_folder,
@@ -160,9 +160,9 @@ rule deployment_against_published:
         "results/benchmarks/logs/deployment_against_published.log",
     benchmark:
         "results/benchmarks/logs/deployment_against_published.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         build=programs_folder,
         out=output_folder,
@@ -184,9 +184,9 @@ rule flow_hard_cases:
         "results/benchmarks/logs/flow_hard_cases.log",
     benchmark:
         "results/benchmarks/logs/flow_hard_cases.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         out=output_folder,
     shell:
@@ -207,9 +207,9 @@ rule flow_growth:
         "results/benchmarks/logs/flow_growth.log",
     benchmark:
         "results/benchmarks/logs/flow_growth.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         out=output_folder,
     shell:
@@ -228,9 +228,9 @@ rule flow_tolerance:
         "results/benchmarks/logs/flow_tolerance.log",
     benchmark:
         "results/benchmarks/logs/flow_tolerance.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         out=output_folder,
         cases=" ".join(f"{case}:{tolerance}" for case in STRAIGHT_TUBES for tolerance in (0.005, 0.002)),
@@ -250,9 +250,9 @@ rule flow_wall_shear:
         "results/benchmarks/logs/flow_wall_shear.log",
     benchmark:
         "results/benchmarks/logs/flow_wall_shear.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         out=output_folder,
     shell:
@@ -271,9 +271,9 @@ rule anatomy_speed:
         "results/benchmarks/logs/anatomy_speed.log",
     benchmark:
         "results/benchmarks/logs/anatomy_speed.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {output}"
 
@@ -300,9 +300,9 @@ rule anatomy_campaign:
         "results/benchmarks/logs/anatomy_campaign.log",
     benchmark:
         "results/benchmarks/logs/anatomy_campaign.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         build=programs_folder,
         out=output_folder,
@@ -325,9 +325,9 @@ rule reference_against_solid:
         "results/benchmarks/logs/reference_against_solid.log",
     benchmark:
         "results/benchmarks/logs/reference_against_solid.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         out=output_folder,
     shell:
@@ -349,9 +349,9 @@ rule reference_sensitivity:
         "results/benchmarks/logs/reference_sensitivity.log",
     benchmark:
         "results/benchmarks/logs/reference_sensitivity.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         out=output_folder,
     shell:
@@ -379,9 +379,9 @@ rule reference_against_calculix:
         "results/benchmarks/logs/reference_against_calculix.log",
     benchmark:
         "results/benchmarks/logs/reference_against_calculix.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         out=output_folder,
     shell:
@@ -401,9 +401,9 @@ rule flow_against_openfoam:
         "results/benchmarks/logs/flow_against_openfoam.log",
     benchmark:
         "results/benchmarks/logs/flow_against_openfoam.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         out=output_folder,
     shell:
@@ -425,9 +425,9 @@ rule flow_tree_against_openfoam:
         "results/benchmarks/logs/flow_tree_against_openfoam.log",
     benchmark:
         "results/benchmarks/logs/flow_tree_against_openfoam.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         out=output_folder,
         states=SOLVED_STATES,
@@ -452,9 +452,9 @@ rule flow_speed_error:
         "results/benchmarks/logs/flow_speed_error.log",
     benchmark:
         "results/benchmarks/logs/flow_speed_error.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         out=output_folder,
         states="results/cases/quick_branch/pre results/cases/quick_branch/vci",
@@ -475,9 +475,9 @@ rule flow_fda_jet:
         "results/benchmarks/logs/flow_fda_jet.log",
     benchmark:
         "results/benchmarks/logs/flow_fda_jet.tsv"
-    threads: ALONE
+    threads: ALL_CORES
     resources:
-        **NODE,
+        **WHOLE_NODE,
     params:
         out=output_folder,
     shell:

@@ -5,7 +5,7 @@ rule ct_phantom:
     message:
         "{wildcards.case}: CT of {wildcards.state}"
     input:
-        unpack(INPUTS.imaged),
+        unpack(INPUTS.phantom_inputs),
         settings="results/cases/{case}/settings/ct.json",
         code=code("data_synthetic", "data_synthetic.ct.scan"),
     output:
@@ -30,7 +30,7 @@ rule ct_segment:
         "{wildcards.case}: lumen in the CT of {wildcards.state}"
     input:
         image="results/cases/{case}/ct/{state}/ct.nii.gz",
-        ends=INPUTS.ends,
+        ends=INPUTS.end_points_file,
         settings="results/cases/{case}/settings/ct.json",
         code=command_code("anatomy", "_ct"),
     output:

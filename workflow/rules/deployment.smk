@@ -133,7 +133,7 @@ rule reference:
     benchmark:
         "results/cases/{case}/benchmarks/reference/finite_elements.tsv"
     resources:
-        **fixed(1500, 10),
+        **fixed_resources(1500, 10),
     params:
         anatomy=anatomy_folder,
         out=output_folder,
@@ -185,7 +185,7 @@ rule carry_plan:
         plan="results/cases/{case}/vci/plan.json",
         before="results/cases/{case}/anatomy/sections.csv",
         after="results/cases/{case}/ct_pre/anatomy/sections.csv",
-        code=code("anatomy", "anatomy.planning.carry"),
+        code=code("anatomy", "anatomy.planning.carry_plan"),
     output:
         "results/cases/{case}/ct_vci/plan.json",
     log:

@@ -71,7 +71,7 @@ rule flow_solve:
     benchmark:
         "results/cases/{case}/benchmarks/{state}/flow_solve.tsv"
     resources:
-        **by_size((1000, 600), (5, 2), "mesh"),
+        **resources_by_size((1000, 600), (5, 2), "mesh"),
     params:
         out=output_folder,
         start=start_option,
@@ -101,7 +101,7 @@ rule flow_audit:
     benchmark:
         "results/cases/{case}/benchmarks/{state}/flow_audit.tsv"
     resources:
-        **by_size((1000, 600), (30, 20), "mesh"),
+        **resources_by_size((1000, 600), (30, 20), "mesh"),
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m flow audit {input.mesh} --coarse {input.coarse}"
         " --boundary {input.boundary} --centreline {input.centreline} --anatomy {input.anatomy}"

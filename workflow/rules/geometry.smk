@@ -26,7 +26,7 @@ rule generate:
         lumen="results/cases/{case}/source/lumen.vtp",
         truth="results/cases/{case}/source/truth.json",
     wildcard_constraints:
-        case="|".join(STUDY.of_kind("synthetic")) or "(?!)",
+        case="|".join(STUDY.cases_of_kind("synthetic")) or "(?!)",
     priority: 2
     log:
         "results/cases/{case}/logs/generate.log",
@@ -43,14 +43,14 @@ rule contours:
     message:
         "{wildcards.case}: lumen and plaque of the contours"
     input:
-        unpack(INPUTS.contours),
+        unpack(INPUTS.contour_files),
         code=command_code("anatomy", "_contours"),
     output:
         surface="results/cases/{case}/source/lumen.vtp",
         contours="results/cases/{case}/source/contours.json",
         picture="results/cases/{case}/source/contours.png",
     wildcard_constraints:
-        case="|".join(INPUTS.of_contours()) or "(?!)",
+        case="|".join(INPUTS.cases_from_contours()) or "(?!)",
     priority: 2
     log:
         "results/cases/{case}/logs/contours.log",
@@ -67,21 +67,21 @@ rule ct_lumen:
     message:
         "{wildcards.case}: lumen in the CT"
     input:
-        unpack(INPUTS.ct),
+        unpack(INPUTS.ct_files),
         settings="results/cases/{case}/settings/ct.json",
         code=command_code("anatomy", "_ct"),
     output:
         surface="results/cases/{case}/source/lumen.vtp",
         segmentation="results/cases/{case}/source/segmentation.json",
     wildcard_constraints:
-        case="|".join(INPUTS.of_ct()) or "(?!)",
+        case="|".join(INPUTS.cases_from_ct()) or "(?!)",
     priority: 2
     log:
         "results/cases/{case}/logs/ct_lumen.log",
     benchmark:
         "results/cases/{case}/benchmarks/ct_lumen.tsv"
     resources:
-        **by_size((1500, 20), (10, 0.2), "volume"),
+        **resources_by_size((1500, 20), (10, 0.2), "volume"),
     params:
         options=INPUTS.ct_options,
         out=output_folder,
@@ -93,8 +93,8 @@ rule anatomy:
     message:
         "{wildcards.case}: lumen, centreline, sections, lesions"
     input:
-        lumen=INPUTS.lumen,
-        caps=INPUTS.caps,
+        lumen=INPUTS.lumen_file,
+        caps=INPUTS.cap_files,
         binary=LUMEN,
     output:
         lumen="results/cases/{case}/anatomy/lumen.vtp",
@@ -107,11 +107,11 @@ rule anatomy:
     benchmark:
         "results/cases/{case}/benchmarks/pre/anatomy.tsv"
     resources:
-        **by_size((1500, 25), (4, 0.1), "lumen"),
+        **resources_by_size((1500, 25), (4, 0.1), "lumen"),
     params:
         surface=INPUTS.lumen_options,
-        edge=INPUTS.value("anatomy", "edge_mm"),
-        spacing=INPUTS.value("anatomy", "section_spacing_mm"),
+        edge=INPUTS.setting("anatomy", "edge_mm"),
+        spacing=INPUTS.setting("anatomy", "section_spacing_mm"),
         out=output_folder,
     shell:
         "workflow/run.sh {log} {input.binary} process {input.lumen:q} {params.surface} --edge {params.edge}"
@@ -123,7 +123,7 @@ rule state_anatomy:
         "{wildcards.case}: lumen, centreline, sections after {wildcards.state}"
     input:
         lumen=INPUTS.state_lumen,
-        like=INPUTS.names,
+        like=INPUTS.end_names_file,
         binary=LUMEN,
     output:
         lumen="results/cases/{case}/{state}/anatomy/lumen.vtp",
@@ -137,8 +137,8 @@ rule state_anatomy:
     benchmark:
         "results/cases/{case}/benchmarks/{state}/anatomy.tsv"
     params:
-        edge=INPUTS.value("anatomy", "edge_mm"),
-        spacing=INPUTS.value("anatomy", "section_spacing_mm"),
+        edge=INPUTS.setting("anatomy", "edge_mm"),
+        spacing=INPUTS.setting("anatomy", "section_spacing_mm"),
         out=output_folder,
     shell:
         "workflow/run.sh {log} {input.binary} process {input.lumen} --units mm --like {input.like} --edge {params.edge}"
@@ -149,20 +149,20 @@ use rule contours as post_contours with:
     message:
         "{wildcards.case}: lumen of the contours after the real procedure"
     input:
-        unpack(INPUTS.of_post(INPUTS.contours)),
+        unpack(INPUTS.for_post(INPUTS.contour_files)),
         code=command_code("anatomy", "_contours"),
     output:
         surface="results/cases/{case}/post/source/lumen.vtp",
         contours="results/cases/{case}/post/source/contours.json",
         picture="results/cases/{case}/post/source/contours.png",
     wildcard_constraints:
-        case="|".join(INPUTS.of_contours("post")) or "(?!)",
+        case="|".join(INPUTS.cases_from_contours("post")) or "(?!)",
     log:
         "results/cases/{case}/logs/post/contours.log",
     benchmark:
         "results/cases/{case}/benchmarks/post/contours.tsv"
     params:
-        options=INPUTS.of_post(INPUTS.contour_options),
+        options=INPUTS.for_post(INPUTS.contour_options),
         out=output_folder,
 
 
@@ -170,20 +170,20 @@ use rule ct_lumen as post_ct_lumen with:
     message:
         "{wildcards.case}: lumen in the CT after the real procedure"
     input:
-        unpack(INPUTS.of_post(INPUTS.ct)),
+        unpack(INPUTS.for_post(INPUTS.ct_files)),
         settings="results/cases/{case}/settings/ct.json",
         code=command_code("anatomy", "_ct"),
     output:
         surface="results/cases/{case}/post/source/lumen.vtp",
         segmentation="results/cases/{case}/post/source/segmentation.json",
     wildcard_constraints:
-        case="|".join(INPUTS.of_ct("post")) or "(?!)",
+        case="|".join(INPUTS.cases_from_ct("post")) or "(?!)",
     log:
         "results/cases/{case}/logs/post/ct_lumen.log",
     benchmark:
         "results/cases/{case}/benchmarks/post/ct_lumen.tsv"
     params:
-        options=INPUTS.of_post(INPUTS.ct_options),
+        options=INPUTS.for_post(INPUTS.ct_options),
         out=output_folder,
 
 
@@ -191,8 +191,8 @@ rule post_anatomy:
     message:
         "{wildcards.case}: lumen, centreline, sections after the real procedure, in their own frame"
     input:
-        lumen=INPUTS.of_post(INPUTS.lumen),
-        caps=INPUTS.of_post(INPUTS.caps),
+        lumen=INPUTS.for_post(INPUTS.lumen_file),
+        caps=INPUTS.for_post(INPUTS.cap_files),
         binary=LUMEN,
     output:
         lumen="results/cases/{case}/post/own/lumen.vtp",
@@ -200,17 +200,17 @@ rule post_anatomy:
         sections="results/cases/{case}/post/own/sections.csv",
         anatomy="results/cases/{case}/post/own/anatomy.json",
     wildcard_constraints:
-        case="|".join(STUDY.with_key("post")) or "(?!)",
+        case="|".join(STUDY.cases_with_key("post")) or "(?!)",
     log:
         "results/cases/{case}/logs/post/own.log",
     benchmark:
         "results/cases/{case}/benchmarks/post/own.tsv"
     resources:
-        **by_size((1500, 25), (4, 0.1), "lumen"),
+        **resources_by_size((1500, 25), (4, 0.1), "lumen"),
     params:
-        surface=INPUTS.of_post(INPUTS.lumen_options),
-        edge=INPUTS.value("anatomy", "edge_mm"),
-        spacing=INPUTS.value("anatomy", "section_spacing_mm"),
+        surface=INPUTS.for_post(INPUTS.lumen_options),
+        edge=INPUTS.setting("anatomy", "edge_mm"),
+        spacing=INPUTS.setting("anatomy", "section_spacing_mm"),
         out=output_folder,
     shell:
         "workflow/run.sh {log} {input.binary} process {input.lumen:q} {params.surface} --edge {params.edge}"
@@ -233,7 +233,7 @@ rule register:
         like="results/cases/{case}/post/like.json",
         registration="results/cases/{case}/post/registration.json",
     wildcard_constraints:
-        case="|".join(STUDY.with_key("post")) or "(?!)",
+        case="|".join(STUDY.cases_with_key("post")) or "(?!)",
     log:
         "results/cases/{case}/logs/post/register.log",
     benchmark:

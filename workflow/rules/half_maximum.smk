@@ -13,7 +13,7 @@ rule half_maximum_settings:
     log:
         f"{ARM_LOGS}/settings.log",
     params:
-        text=HALF_MAXIMUM.settings,
+        text=HALF_MAXIMUM.ct_settings,
     shell:
         "printf '%s\\n' {params.text:q} >{output} 2>{log}"
 
@@ -23,7 +23,7 @@ use rule ct_segment as half_maximum_segment with:
         "{wildcards.case}: lumen in the CT of {wildcards.state}, at half maximum"
     input:
         image="results/cases/{case}/ct/{state}/ct.nii.gz",
-        ends=INPUTS.ends,
+        ends=INPUTS.end_points_file,
         settings=f"{ARM}/settings.json",
         code=command_code("anatomy", "_ct"),
     output:
@@ -39,8 +39,8 @@ use rule state_anatomy as half_maximum_anatomy with:
     message:
         "{wildcards.case}: lumen, centreline, sections of {wildcards.state}, at half maximum"
     input:
-        lumen=HALF_MAXIMUM.lumen,
-        like=INPUTS.names,
+        lumen=HALF_MAXIMUM.lumen_file,
+        like=INPUTS.end_names_file,
         binary=LUMEN,
     output:
         lumen=f"{ARM}/{{state}}/anatomy/lumen.vtp",
@@ -62,7 +62,7 @@ use rule carry_plan as half_maximum_carry_plan with:
         plan="results/cases/{case}/vci/plan.json",
         before="results/cases/{case}/anatomy/sections.csv",
         after=f"{ARM}/ct_pre/anatomy/sections.csv",
-        code=code("anatomy", "anatomy.planning.carry"),
+        code=code("anatomy", "anatomy.planning.carry_plan"),
     output:
         f"{ARM}/ct_vci/plan.json",
     log:
@@ -150,8 +150,8 @@ rule half_maximum_metrics:
     message:
         "{wildcards.case}: area, curvature and FFR of the lumens at half maximum"
     input:
-        HALF_MAXIMUM.compared,
-        HALF_MAXIMUM.ffr,
+        HALF_MAXIMUM.compared_files,
+        HALF_MAXIMUM.ffr_files,
         expand(f"{ARM}/ct/{{state}}/segmentation.json", state=["pre", "reference"], allow_missing=True),
         expand(
             f"{ARM}/{{state}}/anatomy/{{name}}",
@@ -170,7 +170,7 @@ rule half_maximum_metrics:
     benchmark:
         f"{ARM_BENCHMARKS}/metrics.tsv"
     params:
-        margin=INPUTS.value("metrics", "margin_mm"),
+        margin=INPUTS.setting("metrics", "margin_mm"),
         states=lambda wildcards: " ".join(INPUTS.states(wildcards.case)),
         case_dir=case_folder,
     shell:

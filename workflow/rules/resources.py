@@ -9,27 +9,27 @@ import pathlib
 
 # Resources of a benchmark. It measures seconds, so it gets a whole node with all its memory (for Slurm, mem_mb 0).
 # Some benchmarks take hours.
-NODE = {"sbatch_options": "--exclusive", "mem_mb": 0, "runtime": 720}
+WHOLE_NODE = {"sbatch_options": "--exclusive", "mem_mb": 0, "runtime": 720}
 
 
-def fixed(megabytes, minutes):
+def fixed_resources(megabytes, minutes):
     """Resources of a step whose cost hardly depends on its input: {name: function for Snakemake}."""
-    return by_size((megabytes, 0), (minutes, 0))
+    return resources_by_size((megabytes, 0), (minutes, 0))
 
 
-def by_size(megabytes, minutes, *names):
+def resources_by_size(megabytes, minutes, *names):
     """Resources of a step whose cost grows with the size of its inputs `names`: {name: function for Snakemake}.
 
     megabytes, minutes: each (value for empty inputs, increase per MB of input).
     """
 
-    def asked(cost):
-        return lambda wildcards, input, attempt: attempt * math.ceil(cost[0] + cost[1] * _megabytes(input, names))
+    def request(cost):
+        return lambda wildcards, input, attempt: attempt * math.ceil(cost[0] + cost[1] * _input_size_mb(input, names))
 
-    return {"mem_mb": asked(megabytes), "runtime": asked(minutes)}
+    return {"mem_mb": request(megabytes), "runtime": request(minutes)}
 
 
-def _megabytes(input, names):
+def _input_size_mb(input, names):
     """Size in MB of the inputs `names` of a step. A folder counts with all its files.
 
     An input that is not made yet counts as empty; Snakemake asks again before it submits the step. A group of steps is

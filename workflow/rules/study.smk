@@ -8,7 +8,7 @@ rule metrics:
     message:
         "{wildcards.case}: area, curvature and FFR over the treated segment"
     input:
-        INPUTS.of_states(
+        INPUTS.files_of_states(
             "{anatomy}/lumen.vtp",
             "{anatomy}/centreline.vtp",
             "{anatomy}/sections.csv",
@@ -16,8 +16,8 @@ rule metrics:
             "flow/{state}/ffr.json",
             "flow/{state}/pullback.csv",
         ),
-        INPUTS.segmentations,
-        INPUTS.registrations,
+        INPUTS.segmentation_files,
+        INPUTS.registration_files,
         case=ancient(CASE_FILE),
         scene="results/cases/{case}/vci/scene.json",
         deployment="results/cases/{case}/vci/deployment.json",
@@ -33,7 +33,7 @@ rule metrics:
         patient=INPUTS.section("patient"),
         description=INPUTS.section("description"),
         measured=INPUTS.section("measured"),
-        margin=INPUTS.value("metrics", "margin_mm"),
+        margin=INPUTS.setting("metrics", "margin_mm"),
         states=lambda wildcards: " ".join(INPUTS.states(wildcards.case)),
         case_dir=case_folder,
     shell:
@@ -45,7 +45,7 @@ rule case_figures:
     message:
         "{wildcards.case}: figures"
     input:
-        INPUTS.of_states("{anatomy}/lumen.vtp", "flow/{state}/pullback.csv"),
+        INPUTS.files_of_states("{anatomy}/lumen.vtp", "flow/{state}/pullback.csv"),
         metrics="results/cases/{case}/metrics.json",
         devices="results/cases/{case}/vci/devices",
         code=code("reports", "reports.figures.case"),
@@ -294,7 +294,7 @@ rule provenance:
         # metrics, pictures and varied plans come last in a case, when every product and every log is written
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
-        varied=expand("results/cases/{case}/{table}.csv", case=INPUTS.varied(CASES), table=["plans/ranking", "sensitivity/flow"]),
+        varied=expand("results/cases/{case}/{table}.csv", case=INPUTS.cases_with_variable_flow(CASES), table=["plans/ranking", "sensitivity/flow"]),
         half_maximum=expand("results/cases/{case}/half_maximum/metrics.json", case=HALF_MAXIMUM_CASES),
         software="results/study/software.json",
         programs=[VCI, LUMEN],
@@ -322,8 +322,8 @@ rule report:
             "results/figures/{case}_{name}.{format}", case=CASES, name=[*CASE_FIGURES, "procedure"], format=["svg", "png"]
         ),
         ct=expand("results/figures/{case}_ct.png", case=[case for case in CASES if "ct" in INPUTS.states(case)]),
-        plans=expand("results/cases/{case}/plans/ranking.csv", case=INPUTS.varied(CASES)),
-        sensitivity=expand("results/figures/{case}_sensitivity.{format}", case=INPUTS.varied(CASES), format=["svg", "png"]),
+        plans=expand("results/cases/{case}/plans/ranking.csv", case=INPUTS.cases_with_variable_flow(CASES)),
+        sensitivity=expand("results/figures/{case}_sensitivity.{format}", case=INPUTS.cases_with_variable_flow(CASES), format=["svg", "png"]),
         study_figures=expand("results/figures/{name}.{format}", name=STUDY_FIGURES, format=["svg", "png"]),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
         tables=expand("results/study/{table}.csv", table=["agreement", "half_maximum", "nearer", "contrast", "differences", "seconds", "timings", "cohort", "patients"]),
@@ -331,7 +331,7 @@ rule report:
         software="results/study/software.json",
         provenance="results/study/provenance.json",
         code=command_code("reports", "run_report") + ["reports/study/published.json"],
-        templates=INPUTS.templates(),
+        templates=INPUTS.page_templates(),
         three=os.path.join(config.get("build", "build"), "three.min.js"),
         solved=solved_plans(CASES),
         tests=test_results(),
@@ -361,8 +361,8 @@ rule numbers:
         "the study's numbers in one file"
     input:
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
-        plans=expand("results/cases/{case}/plans/ranking.csv", case=INPUTS.varied(CASES)),
-        intervals=expand("results/cases/{case}/sensitivity/flow_intervals.csv", case=INPUTS.varied(CASES)),
+        plans=expand("results/cases/{case}/plans/ranking.csv", case=INPUTS.cases_with_variable_flow(CASES)),
+        intervals=expand("results/cases/{case}/sensitivity/flow_intervals.csv", case=INPUTS.cases_with_variable_flow(CASES)),
         tables=expand(
             "results/study/{table}.csv",
             table=["agreement", "half_maximum", "nearer", "contrast", "differences", "cohort", "patients", "inclusion"],

@@ -1,6 +1,6 @@
 # Other plans for a case, and the sensitivity of FFR and areas. The 1D network, calibrated on 3D flow, gives FFR.
 VARIED = [
-    INPUTS.of_states("flow/{state}/ffr.json", "{anatomy}/anatomy.json", "{anatomy}/sections.csv"),
+    INPUTS.files_of_states("flow/{state}/ffr.json", "{anatomy}/anatomy.json", "{anatomy}/sections.csv"),
     "results/cases/{case}/anatomy/lumen.vtp",
     "results/cases/{case}/anatomy/centreline.vtp",
     "results/cases/{case}/settings/flow.json",
@@ -30,13 +30,13 @@ rule other_plans:
     benchmark:
         "results/cases/{case}/benchmarks/whatif/other_plans.tsv"
     resources:
-        **fixed(1500, 15),
+        **fixed_resources(1500, 15),
     params:
         case_dir=case_folder,
         states=lambda wildcards: " ".join(INPUTS.states_with_flow(wildcards.case)),
         build=programs_folder,
-        edge=INPUTS.value("anatomy", "edge_mm"),
-        spacing=INPUTS.value("anatomy", "section_spacing_mm"),
+        edge=INPUTS.setting("anatomy", "edge_mm"),
+        spacing=INPUTS.setting("anatomy", "section_spacing_mm"),
         devices=STUDY.folder / "devices",
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m whatif plans --case-dir {params.case_dir} --states {params.states}"
@@ -66,8 +66,8 @@ rule plan_lumen:
         case_dir=case_folder,
         out=output_folder,
         build=programs_folder,
-        edge=INPUTS.value("anatomy", "edge_mm"),
-        spacing=INPUTS.value("anatomy", "section_spacing_mm"),
+        edge=INPUTS.setting("anatomy", "edge_mm"),
+        spacing=INPUTS.setting("anatomy", "section_spacing_mm"),
         devices=STUDY.folder / "devices",
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m whatif deploy {wildcards.plan} --plans {input.plans}"
@@ -157,13 +157,13 @@ rule procedure_sensitivity:
     benchmark:
         "results/cases/{case}/benchmarks/whatif/procedure_sensitivity.tsv"
     resources:
-        **fixed(1500, 120),
+        **fixed_resources(1500, 120),
     params:
         patient=INPUTS.section("patient"),
         case_dir=case_folder,
         build=programs_folder,
-        edge=INPUTS.value("anatomy", "edge_mm"),
-        spacing=INPUTS.value("anatomy", "section_spacing_mm"),
+        edge=INPUTS.setting("anatomy", "edge_mm"),
+        spacing=INPUTS.setting("anatomy", "section_spacing_mm"),
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m whatif deployment --case-dir {params.case_dir} --config {input.case}"
         " --programs {params.build} --edge {params.edge} --spacing {params.spacing} --intervals {output.intervals} --out {output.table}"

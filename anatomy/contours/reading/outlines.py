@@ -7,14 +7,14 @@ from matplotlib.path import Path
 
 from common.errors import InputError
 
-SAME_MM = 1e-6  # points nearer to each other count as one
-COLUMNS = "Without names frame, x, y, z over them the columns are taken in that order"
+SAME_POINT_MM = 1e-6  # points nearer to each other count as one
+COLUMNS_HINT = "Without names frame, x, y, z over them the columns are taken in that order"
 FEWEST_POINTS = 8  # of an outline; with fewer a round lumen cannot be told from a square one
 WIDEST_MM = 15.0  # coronary arteries, even with ectasia, are narrower; outlines in pixels are wider
 LEAST_AREA_MM2 = 0.03  # a radius of 0.1 mm, less than the catheter's own
-UNEVEN = 1.5  # longest gap of a line that closes to an outline, over the longest step between its points
-MOSTLY = 0.9  # share of an outline's points that lie within another, at least; the others touch it
-BRIDGE = 3.0  # least length of the steps from one outline to the next and back, over the gaps of the two
+LARGEST_GAP_RATIO = 1.5  # longest gap of a line that closes to an outline, over the longest step between its points
+LEAST_WITHIN_SHARE = 0.9  # share of an outline's points that lie within another, at least; the others touch it
+LEAST_BRIDGE_RATIO = 3.0  # least length of the steps from one outline to the next and back, over the gaps of the two
 
 
 def area_mm2(outline):
@@ -30,7 +30,7 @@ def centroid(outline):
     return ((outline + step) * cross[:, None]).sum(axis=0) / (3 * cross.sum())
 
 
-def split(points):
+def split_outlines(points):
     """[points (n, 2) of an outline] in a list of points (m, 2) that may hold several outlines one after the other.
 
     They are separated if each outline ends on the point where it began; else all points are one outline. A last point
@@ -38,9 +38,9 @@ def split(points):
     """
     found, first = [], 0
     while first < len(points):
-        if found and first == len(points) - 1 and _distance(points[first], points[0]) < SAME_MM:
+        if found and first == len(points) - 1 and _distance(points[first], points[0]) < SAME_POINT_MM:
             break
-        again = np.flatnonzero(_distance(points[first + 3 :], points[first]) < SAME_MM)
+        again = np.flatnonzero(_distance(points[first + 3 :], points[first]) < SAME_POINT_MM)
         if not again.size:
             return [points]
         last = first + 3 + again[0]
@@ -49,25 +49,27 @@ def split(points):
     return found
 
 
-def checked(points, where, several, may_be_ring=False):
+def checked_outline(points, where, split_remedy, may_be_ring=False):
     """The outline (m, 2) in mm of points (n, 2), counter-clockwise, without repeated points.
 
-    where: its place in the tables, for messages. several: the remedy if several outlines were joined into one.
+    where: its place in the tables, for messages. split_remedy: the remedy if several outlines were joined into one.
     may_be_ring: it may go round the vessel and come back within itself, as the outline of a sheet of calcium does.
     Raises InputError for an outline with points listed twice, one that crosses itself, one with a second outline
     appended, too few points, or a size that no coronary artery has.
     """
-    points = points[_distance(points, np.roll(points, 1, axis=0)) > SAME_MM]
+    points = points[_distance(points, np.roll(points, 1, axis=0)) > SAME_POINT_MM]
     if len(points) < FEWEST_POINTS:
-        remedy = f"at least {FEWEST_POINTS} different ones, or leave the frame out (drop_frames). {COLUMNS}"
+        remedy = f"at least {FEWEST_POINTS} different ones, or leave the frame out (drop_frames). {COLUMNS_HINT}"
         raise InputError("too few points for an outline", where, len(points), remedy)
     size = np.ptp(points, axis=0).max()
     if size > WIDEST_MM:
         remedy = f"at most {WIDEST_MM:g} mm: image pixels must be multiplied by their size, and units declared"
         raise InputError("too wide for a coronary artery", where, f"{size:.4g} mm", remedy)
-    _refuse("points of an outline are listed twice", _twice(points), where, f"list each once; {several}")
-    _refuse("the outline crosses itself", _crossing(points), where, f"trace the frame again, or drop_frames; {several}")
-    _refuse("two outlines in one", _second(points, may_be_ring), where, several)
+    _raise_at("points of an outline are listed twice", _repeated_step(points), where, f"list each once; {split_remedy}")
+    _raise_at(
+        "the outline crosses itself", _crossing(points), where, f"trace the frame again, or drop_frames; {split_remedy}"
+    )
+    _raise_at("two outlines in one", _second_outline_start(points, may_be_ring), where, split_remedy)
     area = area_mm2(points)
     if abs(area) < LEAST_AREA_MM2:
         remedy = f"at least {LEAST_AREA_MM2} mm2: check units, or leave out what is no outline, or points listed twice"
@@ -75,7 +77,7 @@ def checked(points, where, several, may_be_ring=False):
     return points if area > 0 else points[::-1]
 
 
-def _refuse(what, place, where, remedy):
+def _raise_at(what, place, where, remedy):
     """Raises InputError if there is a place (2,) at which something is wrong; None means that all is well."""
     if place is not None:
         raise InputError(what, where, f"at x, y = {np.round(place, 3).tolist()} mm", remedy)
@@ -86,13 +88,13 @@ def _distance(points, others):
     return np.linalg.norm(points - others, axis=-1)
 
 
-def _twice(points):
+def _repeated_step(points):
     """A point (2,) from which a closed outline takes the same step twice, or None.
 
     Steps in the opposite direction are subtracted. So a spike without width, which outlines of pixels may have, does
     not count.
     """
-    keys = [tuple(point) for point in np.round(points / SAME_MM).astype(np.int64)]
+    keys = [tuple(point) for point in np.round(points / SAME_POINT_MM).astype(np.int64)]
     times = Counter(zip(keys, keys[1:] + keys[:1]))
     for k, (one, other) in enumerate(zip(keys, keys[1:] + keys[:1])):
         if times[one, other] - times[other, one] > 1:
@@ -117,7 +119,7 @@ def _crossing(points):
     return begin[i[both][0]] if both.any() else None
 
 
-def _second(points, may_be_ring):
+def _second_outline_start(points, may_be_ring):
     """The point (2,) of a closed outline (n, 2) at which a second outline begins, or None.
 
     Each of the two outlines nearly returns to its own first point. The gap between its last and first point is at most
@@ -128,19 +130,19 @@ def _second(points, may_be_ring):
     k = np.arange(FEWEST_POINTS, len(points) - FEWEST_POINTS + 1)
     longest = np.maximum.accumulate(step)[k - 2], np.maximum.accumulate(step[-2::-1])[::-1][k]
     gaps = _distance(points[k - 1], points[0]), _distance(points[-1], points[k])
-    even = (gaps[0] <= UNEVEN * longest[0]) & (gaps[1] <= UNEVEN * longest[1])
+    even = (gaps[0] <= LARGEST_GAP_RATIO * longest[0]) & (gaps[1] <= LARGEST_GAP_RATIO * longest[1])
     for first, *both in zip(k[even], gaps[0][even], gaps[1][even]):
         bridge, others = min(step[first - 1], step[-1]), np.delete(step, [first - 1, -1])
-        over = bridge / BRIDGE if bridge > others.max() else 0.0
+        over = bridge / LEAST_BRIDGE_RATIO if bridge > others.max() else 0.0
         parts = np.split(points, [first])
-        if may_be_ring and _comes_back_within(*parts):
+        if may_be_ring and _is_folded_back(*parts):
             continue
         if all(gap <= max(_half_radius(part), over) for gap, part in zip(both, parts)):
             return points[first]
     return None
 
 
-def _comes_back_within(one, other):
+def _is_folded_back(one, other):
     """Whether one part of an outline lies within the other and runs in the opposite direction.
 
     The inner and the outer line of a sheet of calcium round the vessel do so.
@@ -148,7 +150,7 @@ def _comes_back_within(one, other):
     if area_mm2(one) * area_mm2(other) > 0:
         return False
     outer, inner = sorted((one, other), key=lambda part: -abs(area_mm2(part)))
-    return Path(outer).contains_points(inner).mean() > MOSTLY
+    return Path(outer).contains_points(inner).mean() > LEAST_WITHIN_SHARE
 
 
 def _half_radius(outline):

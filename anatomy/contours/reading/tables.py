@@ -11,10 +11,12 @@ from common.files import replacing
 from . import columns, outlines
 
 MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001}
-PLANE_MM = 0.01  # largest range of z within a frame, as z may be rounded to two decimals or rotated to and fro
-COLUMNS = "four numbers: frame, x, y, z; decimal points; a fifth, the outline's number, in all lines or in none"
-SHEETS = ("calcium", "lipid")  # tables whose regions may reach round nearly the whole vessel
-NUMBER_THEM = "number several deposits of a frame in a fifth column, named outline if the table has names"
+PLANE_TOLERANCE_MM = (
+    0.01  # largest range of z within a frame, as z may be rounded to two decimals or rotated to and fro
+)
+COLUMNS_REMEDY = "four numbers: frame, x, y, z; decimal points; a fifth, the outline's number, in all lines or in none"
+RING_TABLES = ("calcium", "lipid")  # tables whose regions may reach round nearly the whole vessel
+NUMBERING_REMEDY = "number several deposits of a frame in a fifth column, named outline if the table has names"
 
 
 def read_rows(path, units):
@@ -22,7 +24,7 @@ def read_rows(path, units):
 
     path: of a table, compressed if it ends in .gz. units: of x, y, z. Columns are separated by tabs, commas, semicolons
     or blanks. Lines that begin with # are skipped. A first line may have names, by which the columns are told
-    (columns.order). Raises InputError with the line that cannot be read.
+    (columns.column_order). Raises InputError with the line that cannot be read.
     """
     lines = _lines(path)
     rows, names, by_name = [], None, None
@@ -31,18 +33,18 @@ def read_rows(path, units):
         if not line or line.startswith("#"):
             continue
         where = f"{path}, line {number}"
-        if not rows and names is None and not all(map(columns.is_number, columns.fields(line))):
-            names = columns.names_in(line)
-            order = columns.order(names, units, where)
+        if not rows and names is None and not all(map(columns.is_number, columns.split_fields(line))):
+            names = columns.column_names(line)
+            order = columns.column_order(names, units, where)
             continue
         if not rows:  # the first point decides whether the columns are read by their names or in the usual order
-            known = names is not None and columns.name_places(names)
-            by_name = known and (len(names) > 5 or columns.picked(line, names, order) is not None)
-        row = columns.picked(line, names, order) if by_name else _numbers(line, where, bool(rows))
+            known = names is not None and columns.names_coordinates(names)
+            by_name = known and (len(names) > 5 or columns.picked_numbers(line, names, order) is not None)
+        row = columns.picked_numbers(line, names, order) if by_name else _numbers(line, where, bool(rows))
         if row is None:
-            raise _no_numbers(columns.fields(line), where, line, bool(rows))
+            raise _not_numbers_error(columns.split_fields(line), where, line, bool(rows))
         if len(row) not in (4, 5) or len(row) != len((rows or [row])[0]) or not np.isfinite(row).all():
-            raise InputError("not a point of a contour", where, line, COLUMNS)
+            raise InputError("not a point of a contour", where, line, COLUMNS_REMEDY)
         rows.append(row)
     if not rows:
         raise InputError("no points in the contour table", path, f"{len(lines)} lines", "lines of frame, x, y, z")
@@ -54,16 +56,18 @@ def read_rows(path, units):
 
 def _numbers(line, where, after_points):
     """All fields of a line as numbers [float]. Raises InputError. after_points: whether points precede the line."""
-    fields = columns.fields(line)
+    fields = columns.split_fields(line)
     if not all(map(columns.is_number, fields)):
-        raise _no_numbers(fields, where, line, after_points)
+        raise _not_numbers_error(fields, where, line, after_points)
     return [float(field) for field in fields]
 
 
-def unknown_names(path):
+def unknown_names_warning(path):
     """A warning if the names of a table do not tell which columns are x, y and z; None if they do, or without names."""
     line = next((line for line in map(str.strip, _lines(path)) if line and not line.startswith("#")), "")
-    if any(columns.is_number(field) for field in columns.fields(line)) or columns.name_places(columns.names_in(line)):
+    if any(columns.is_number(field) for field in columns.split_fields(line)) or columns.names_coordinates(
+        columns.column_names(line)
+    ):
         return None
     return f"{path}: the names `{line}` are not known; the columns are read as frame, x, y, z"
 
@@ -81,7 +85,7 @@ def _lines(path):
         raise InputError("the contour table is not text", path, error, remedy) from error
 
 
-def _no_numbers(fields, where, line, after_points):
+def _not_numbers_error(fields, where, line, after_points):
     """The InputError for a line with fields that are not numbers: a second line of names, or a damaged point."""
     if not after_points and not any(character.isdigit() for field in fields for character in field):
         remedy = "one line of names; put # before further ones, and declare units by units (--units)"
@@ -89,39 +93,39 @@ def _no_numbers(fields, where, line, after_points):
     return InputError("not a number", where, line, "numbers for frame, x, y, z; decimal points; a field for each name")
 
 
-def read_outlines(path, units, what, wanted=None):
+def read_outlines(path, units, what, is_used=None):
     """{frame's name: (z in mm, outline (n, 2) in mm)} of a table with one outline in each frame.
 
-    Outlines run counter-clockwise, without repeated points. what: the table's name in messages. wanted: function of a
+    Outlines run counter-clockwise, without repeated points. what: the table's name in messages. is_used: function of a
     frame's name and z that tells whether the frame is used; other frames are not checked. Raises InputError for a frame
-    with several outlines or not in one plane, and for an outline that outlines.checked() refuses.
+    with several outlines or not in one plane, and for an outline that outlines.checked_outline() refuses.
     """
     name = what.replace("_", " ")
     one = f"one outline of the {name} in each frame, listed once; side branches have their own table (branches)"
     found = {}
-    for frame, (z, several) in _read(path, units, what, wanted, one, False).items():
+    for frame, (z, several) in _read(path, units, what, is_used, one, False).items():
         if len(several) > 1:
             raise InputError("several outlines in one frame", _where(path, what, frame), len(several), one)
         found[frame] = z, several[0]
     return found
 
 
-def read_regions(path, units, what, wanted=None):
+def read_regions(path, units, what, is_used=None):
     """{frame's name: (z in mm, [outline])} of a table whose frames may have several outlines; else as read_outlines().
 
     Outlines are separated by their number, or because each ends on the point where it began.
     """
-    return _read(path, units, what, wanted, NUMBER_THEM, what in SHEETS)
+    return _read(path, units, what, is_used, NUMBERING_REMEDY, what in RING_TABLES)
 
 
-def _read(path, units, what, wanted, remedy, may_be_ring):
-    """As read_regions(). remedy, may_be_ring: as `several` and `may_be_ring` of outlines.checked()."""
+def _read(path, units, what, is_used, remedy, may_be_ring):
+    """As read_regions(). remedy, may_be_ring: as `split_remedy` and `may_be_ring` of outlines.checked_outline()."""
     found = {}
     for frame, rows in _frames(read_rows(path, units)):
-        if wanted is None or wanted(frame, rows[0, 3]):
+        if is_used is None or is_used(frame, rows[0, 3]):
             where = _where(path, what, frame)
             _check_plane(rows, where)
-            several = [outlines.checked(part, where, remedy, may_be_ring) for part in _parts(rows)]
+            several = [outlines.checked_outline(part, where, remedy, may_be_ring) for part in _split_rows(rows)]
             found[frame] = float(rows[0, 3]), several
     return found
 
@@ -135,17 +139,17 @@ def _frames(rows):
     return [(_name(frame), rows[rows[:, 0] == frame]) for frame in dict.fromkeys(rows[:, 0])]
 
 
-def _parts(rows):
+def _split_rows(rows):
     """[points (n, 2) of an outline] from the rows of a frame."""
     numbered = (rows[rows[:, 4] == number, 1:3] for number in dict.fromkeys(rows[:, 4]))
-    return [part for points in numbered for part in outlines.split(points)]
+    return [part for points in numbered for part in outlines.split_outlines(points)]
 
 
 def _check_plane(rows, where):
-    if np.ptp(rows[:, 3]) > PLANE_MM:
+    if np.ptp(rows[:, 3]) > PLANE_TOLERANCE_MM:
         value = f"z from {rows[:, 3].min():g} to {rows[:, 3].max():g} mm"
         remedy = "one z for each frame, its way in the pull-back; contours that lie in space go in as a surface."
-        remedy += f" {outlines.COLUMNS}"
+        remedy += f" {outlines.COLUMNS_HINT}"
         raise InputError("a frame's points do not lie in one plane", where, value, remedy)
 
 
@@ -158,13 +162,13 @@ def _name(frame):
     return int(frame) if frame == int(frame) else float(frame)
 
 
-def thin(source, target, points):
+def write_thinned(source, target, points):
     """Writes a contour table with fewer points: `points` evenly chosen rows of each outline, to 0.0001 mm.
 
     source: a table in mm. target: the table to write, whose first line names the columns. This is for tables with
     hundreds of points in each frame, more than a catheter resolves.
     """
-    frames = [(name, rows[0, 3], _parts(rows)) for name, rows in _frames(read_rows(source, "mm"))]
+    frames = [(name, rows[0, 3], _split_rows(rows)) for name, rows in _frames(read_rows(source, "mm"))]
     numbered = any(len(parts) > 1 for _, _, parts in frames)
     lines = ["frame,x_mm,y_mm,z_mm" + ",outline" * numbered]
     for name, z, parts in frames:

@@ -16,20 +16,25 @@ STEP_MM = 0.05  # between the samples of a ray
 REACH_MM = 4.0  # length of a ray
 WALL_SAMPLE_MM = (0.35, 0.55)  # window beyond the edge: in the wall, past most of the lumen's blur
 USUAL_SIGMA_MM = 0.315  # sigma of the point spread for which this window was chosen
-WALL_TRUST, HEALTHY_WALL_HU = 0.75, 50.0  # weight of the measured tissue against a healthy wall; a healthy wall's HU
-WALL_SHARE = 0.45  # tissue beside the lumen is at most this share of the blood: calcium and metal are not tissue
+MEASURED_WALL_WEIGHT, HEALTHY_WALL_HU = (
+    0.75,
+    50.0,
+)  # weight of the measured tissue against a healthy wall; a healthy wall's HU
+LARGEST_WALL_SHARE = (
+    0.45  # tissue beside the lumen is at most this share of the blood: calcium and metal are not tissue
+)
 # Calcium and metal are brighter than this multiple of the blood, and than the blood by so many standard deviations.
-BRIGHT, DEVIATIONS = 1.15, 4.0
+BRIGHT_RATIO, BRIGHT_DEVIATIONS = 1.15, 4.0
 # Calcium and metal are looked for this near to the axis. Share of bright rays from which a section is a stent's.
 BRIGHT_REACH_MM, STENT_SHARE = 3.0, 0.5
-SLOW_MM = 10.0  # length of vessel for each degree of the polynomial that is subtracted to find the noise
-SHOWS_BLOOD = 0.85  # share of the blood's CT number above which the axis of a section shows blood
+MM_PER_DEGREE = 10.0  # length of vessel for each degree of the polynomial that is subtracted to find the noise
+BLOOD_SHARE = 0.85  # share of the blood's CT number above which the axis of a section shows blood
 CORE_MM = 0.4  # from the axis, where a vessel shows blood alone
-BLOOMS_MM = 0.6  # calcium nearer beyond an edge moves the edge
-BESIDE_MM = 0.5  # past a stent's end, where blurred metal is visible and the filter along the axis would spread it
-OUTLIER = 1.35  # rays longer than this times the section's usual radius run into a side branch or a neighbour
+BLOOMING_MM = 0.6  # calcium nearer beyond an edge moves the edge
+STENT_BLUR_MM = 0.5  # past a stent's end, where blurred metal is visible and the filter along the axis would spread it
+OUTLIER_RATIO = 1.35  # rays longer than this times the section's usual radius run into a side branch or a neighbour
 FILTER_MM = 2.25  # window of the cubic filter along the axis; no bias for lesions longer than about 4 mm
-HARMONICS = 4  # of the radius round a section that filtered() keeps
+HARMONICS = 4  # of the radius round a section that smooth_radii() keeps
 
 
 @dataclass
@@ -37,7 +42,8 @@ class Profiles:
     """CT numbers of one branch in sections across its axis.
 
     hu: (n, m, k) at arc lengths s_mm (n,), angles theta (m,) in radians and distances r_mm (k,) from the axis. axis_hu:
-    (n,) on the axis. gain: (n,) factor by which blood.levelled() has multiplied the contrast, and with it the noise.
+    (n,) on the axis. gain: (n,) factor by which blood.level_contrast() has multiplied the contrast, and with it the
+    noise.
     """
 
     s_mm: np.ndarray
@@ -50,16 +56,16 @@ class Profiles:
     def __post_init__(self):
         self.gain = np.ones(len(self.s_mm)) if self.gain is None else self.gain
 
-    def after(self, first):
+    def sections_from(self, first):
         """The sections from number `first` on."""
         rest = {name: getattr(self, name)[first:] for name in ("s_mm", "hu", "axis_hu", "gain")}
         return replace(self, **rest)
 
 
-def sample(at, axis, spacing_mm, rays):
+def sample(hu_at, axis, spacing_mm, rays):
     """Profiles along `rays` rays round the axis, in sections about spacing_mm apart from end to end.
 
-    at: function of points (..., 3) in mm that gives the image's HU.
+    hu_at: function of points (..., 3) in mm that gives the image's HU.
     """
     count = max(int(round(axis.length_mm / spacing_mm)), 12) + 1
     s = np.linspace(0, axis.length_mm, count)
@@ -68,13 +74,13 @@ def sample(at, axis, spacing_mm, rays):
     _, normal, binormal = axis.frame(s)
     ray = np.cos(theta)[None, :, None] * normal[:, None] + np.sin(theta)[None, :, None] * binormal[:, None]
     points = axis.point(s)[:, None, None] + r[None, None, :, None] * ray[:, :, None]
-    hu = at(points)
+    hu = hu_at(points)
     # The CT number on the axis is the mean over a small disc, filtered along the axis: noise then makes no dark spot.
     centre = hu[:, :, : int(0.2 / STEP_MM) + 1].mean(axis=(1, 2))
-    return Profiles(s, theta, r, hu, along(centre, s, 1.25))
+    return Profiles(s, theta, r, hu, smooth_along(centre, s, 1.25))
 
 
-def along(values, s_mm, window_mm=FILTER_MM, derivative=0):
+def smooth_along(values, s_mm, window_mm=FILTER_MM, derivative=0):
     """values (n, ...) at s_mm (n,) after a cubic Savitzky-Golay filter along the axis; or their derivative."""
     step = s_mm[1] - s_mm[0]
     window = min(2 * int(round(0.5 * window_mm / step)) + 1, (len(s_mm) - 1) // 2 * 2 + 1)
@@ -110,7 +116,7 @@ def noise_hu(hu, profiles, blood):
     s, core = _core(hu, profiles, blood)
     if len(s) < 8:
         return 0.0
-    degree = 1 + int((s[-1] - s[0]) / SLOW_MM)
+    degree = 1 + int((s[-1] - s[0]) / MM_PER_DEGREE)
     slow = np.stack([np.polynomial.Polynomial.fit(s, ring, degree)(s) for ring in core.mean(axis=1).T], axis=1)
     return _deviation(core - slow[:, None, :])
 
@@ -123,13 +129,13 @@ def unevenness_hu(hu, profiles, blood):
     s, core = _core(hu, profiles, blood)
     if len(s) < 8:
         return 0.0
-    slow = np.polyval(np.polyfit(s, profiles.axis_hu[profiles.axis_hu > SHOWS_BLOOD * blood], 1), s)
+    slow = np.polyval(np.polyfit(s, profiles.axis_hu[profiles.axis_hu > BLOOD_SHARE * blood], 1), s)
     return _deviation(core - slow[:, None, None])
 
 
 def _core(hu, profiles, blood):
     """(arc lengths (n,), hu (n, m, k) within CORE_MM of the axis) of the sections whose axis shows blood."""
-    wide = profiles.axis_hu > SHOWS_BLOOD * blood
+    wide = profiles.axis_hu > BLOOD_SHARE * blood
     return profiles.s_mm[wide], hu[wide][:, :, : int(CORE_MM / STEP_MM) + 1]
 
 
@@ -138,7 +144,7 @@ def _deviation(values):
     return 1.4826 * float(np.median(np.abs(values)))
 
 
-def bright(profiles, blood, stented=False):
+def bright_rays(profiles, blood, stented=False):
     """(calcium (n, m), radius (n, m), stent (n,)): which rays meet calcium, where, and which sections are in a stent.
 
     radius is in mm, infinite if the ray meets no calcium. Calcium and metal are brighter than BRIGHT times the blood,
@@ -148,7 +154,7 @@ def bright(profiles, blood, stented=False):
     """
     smooth = uniform_filter(profiles.hu, (3, 3, 5), mode=("nearest", "wrap", "nearest"))
     uneven = unevenness_hu(smooth, profiles, blood)  # includes steps of the contrast, which are no calcium
-    level = np.maximum(BRIGHT * blood, blood + DEVIATIONS * uneven * profiles.gain)
+    level = np.maximum(BRIGHT_RATIO * blood, blood + BRIGHT_DEVIATIONS * uneven * profiles.gain)
     above = (smooth > level[:, None, None]) & (profiles.r_mm < BRIGHT_REACH_MM)
     met = above.any(axis=2)
     stent = stented & (uniform_filter1d(met.mean(axis=1), 9, mode="nearest") > STENT_SHARE)
@@ -156,13 +162,13 @@ def bright(profiles, blood, stented=False):
     return calcium, np.where(calcium, profiles.r_mm[np.argmax(above, axis=2)], np.inf), stent
 
 
-def beside(stent, s_mm):
-    """(n,) of bool: sections in a stent or within BESIDE_MM of its ends, where blurred metal is still visible."""
-    reach = int(round(BESIDE_MM / (s_mm[1] - s_mm[0])))
+def near_stent(stent, s_mm):
+    """(n,) of bool: sections in a stent or within STENT_BLUR_MM of its ends, where blurred metal is still visible."""
+    reach = int(round(STENT_BLUR_MM / (s_mm[1] - s_mm[0])))
     return uniform_filter1d(stent.astype(float), 2 * reach + 1, mode="nearest") > 0.5 / (2 * reach + 1)
 
 
-def tidy(radius):
+def replace_outliers(radius):
     """(radii (n, m), replaced (n, m) of bool): rays into side branches and missed edges (nan) are replaced.
 
     They are interpolated from the other rays of the section. If these are too few, all get the section's usual radius:
@@ -172,8 +178,8 @@ def tidy(radius):
     filled = np.where(np.isnan(radius), np.inf, radius)
     own = np.median(filled, axis=1)
     usual = np.array([np.median(own[max(i - 6, 0) : i + 7]) for i in range(n)])
-    usual = np.minimum(own, OUTLIER * usual)
-    bad = ~(filled < OUTLIER * usual[:, None] + 0.1)
+    usual = np.minimum(own, OUTLIER_RATIO * usual)
+    bad = ~(filled < OUTLIER_RATIO * usual[:, None] + 0.1)
     result = radius.copy()
     for i in np.flatnonzero(bad.any(axis=1)):
         good = np.flatnonzero(~bad[i])
@@ -184,19 +190,19 @@ def tidy(radius):
     return result, bad
 
 
-def filtered(radius, s_mm):
+def smooth_radii(radius, s_mm):
     """Radii (n, m) smoothed: with HARMONICS harmonics round the section, and by the cubic filter along the axis."""
     waves = np.fft.rfft(radius, axis=1)
     waves[:, HARMONICS + 1 :] = 0
-    return along(np.fft.irfft(waves, radius.shape[1], axis=1), s_mm)
+    return smooth_along(np.fft.irfft(waves, radius.shape[1], axis=1), s_mm)
 
 
-def wall_level(profiles, radius, blood, sigma_mm=None, calcium=False):
+def tissue_hu(profiles, radius, blood, sigma_mm=None, calcium=False):
     """CT number (n, m) in HU of the tissue just beyond the edge, smoothed over neighbours.
 
     It is the mean between 0.35 and 0.55 mm beyond the edge radius (n, m). There the blur mixes in blood and, behind a
-    healthy wall, about as much fat. Behind thick plaque no fat balances the blood. The result is at most WALL_SHARE of
-    the blood's CT number. Rays that meet calcium (n, m) get a healthy wall's.
+    healthy wall, about as much fat. Behind thick plaque no fat balances the blood. The result is at most
+    LARGEST_WALL_SHARE of the blood's CT number. Rays that meet calcium (n, m) get a healthy wall's.
 
     With sigma_mm the window is scaled by the point spread, and a quarter of the distance to a healthy wall's CT number
     is added. This reduces the error by the missing fat to 4 HU (measured on noise-free tubes with a wall of 0.7 mm and
@@ -206,13 +212,13 @@ def wall_level(profiles, radius, blood, sigma_mm=None, calcium=False):
     distance = profiles.r_mm - radius[..., None]
     inside = (distance > scale * WALL_SAMPLE_MM[0]) & (distance < scale * WALL_SAMPLE_MM[1])
     level = (profiles.hu * inside).sum(axis=2) / np.maximum(inside.sum(axis=2), 1)
-    level = np.where(calcium, HEALTHY_WALL_HU, np.clip(level, -0.3 * blood, WALL_SHARE * blood))
+    level = np.where(calcium, HEALTHY_WALL_HU, np.clip(level, -0.3 * blood, LARGEST_WALL_SHARE * blood))
     waves = np.fft.rfft(level, axis=1)
     waves[:, 3:] = 0
-    level = along(np.fft.irfft(waves, level.shape[1], axis=1), profiles.s_mm, 1.5)
+    level = smooth_along(np.fft.irfft(waves, level.shape[1], axis=1), profiles.s_mm, 1.5)
     if sigma_mm is not None:
-        level = WALL_TRUST * level + (1 - WALL_TRUST) * HEALTHY_WALL_HU
-    return np.clip(level, -0.3 * blood, WALL_SHARE * blood)
+        level = MEASURED_WALL_WEIGHT * level + (1 - MEASURED_WALL_WEIGHT) * HEALTHY_WALL_HU
+    return np.clip(level, -0.3 * blood, LARGEST_WALL_SHARE * blood)
 
 
 def edge_share(radius_mm, sigma_mm):
@@ -223,7 +229,7 @@ def edge_share(radius_mm, sigma_mm):
     return 0.5 * (1 - i0e((np.asarray(radius_mm) / sigma_mm) ** 2))
 
 
-def inside_calcium(profiles, blood, calcium, sigma_mm):
+def edges_before_calcium(profiles, blood, calcium, sigma_mm):
     """Radii (n, m) in mm of the lumen's edge on rays that meet calcium (n, m), by calcified.fit(); nan on others."""
     hu = uniform_filter(profiles.hu, (3, 3, 1), mode=("nearest", "wrap", "nearest"))[calcium]
     radius = np.full(calcium.shape, np.nan)
@@ -231,12 +237,12 @@ def inside_calcium(profiles, blood, calcium, sigma_mm):
     return radius
 
 
-def find(profiles, method, blood, sigma_mm=None, stented=False, rounds=4):
-    """(radii (n, m) in mm, replaced (n, m) of bool) of the lumen's edge in one branch. replaced: see tidy().
+def find_edges(profiles, method, blood, sigma_mm=None, stented=False, rounds=4):
+    """(radii (n, m) in mm, replaced (n, m) of bool) of the lumen's edge in one branch.
 
-    method: how the edge is found. blood: the blood's CT number. sigma_mm: of the point spread. rounds: of the iteration
-    between edges and tissue. On rays that meet calcium near the edge, blood and calcium are fitted together, with a
-    usual point spread if sigma_mm is not given.
+    replaced: as replace_outliers() returns it. method: how the edge is found. blood: the blood's CT number. sigma_mm:
+    of the point spread. rounds: of the iteration between edges and tissue. On rays that meet calcium near the edge,
+    blood and calcium are fitted together, with a usual point spread if sigma_mm is not given.
     half_maximum: the edge is at the mean of the CT number on the axis and that of the tissue beyond the edge. In a
     stent the metal counts as lumen, as in a clinical reading, so the area is too large.
     psf_edge: the edge is at the level between tissue and blood that a blurred tube as wide as the section has at its
@@ -244,11 +250,11 @@ def find(profiles, method, blood, sigma_mm=None, stented=False, rounds=4):
     is removed (stented.fit).
     """
     n, m, _ = profiles.hu.shape
-    hu, (_, place, stent) = np.minimum(profiles.hu, BRIGHT * blood), bright(profiles, blood, stented)
-    metal = beside(stent, profiles.s_mm)
+    hu, (_, place, stent) = np.minimum(profiles.hu, BRIGHT_RATIO * blood), bright_rays(profiles, blood, stented)
+    metal = near_stent(stent, profiles.s_mm)
     place = minimum_filter(place, 3, mode=("nearest", "wrap"))  # the blur reaches the rays beside calcium
     place[stent] = np.inf
-    inner = inside_calcium(profiles, blood, np.isfinite(place) & ~metal[:, None], sigma_mm or USUAL_SIGMA_MM)
+    inner = edges_before_calcium(profiles, blood, np.isfinite(place) & ~metal[:, None], sigma_mm or USUAL_SIGMA_MM)
     tissue = np.full((n, m), 0.15 * blood)
     share, top = 0.5, np.minimum(profiles.axis_hu, 1.1 * blood)[:, None]
     if method == "psf_edge":
@@ -257,10 +263,10 @@ def find(profiles, method, blood, sigma_mm=None, stented=False, rounds=4):
     for _ in range(rounds):
         level = tissue + share * (top - tissue)
         fall = first_fall(hu, profiles.r_mm, np.broadcast_to(level, (n, m)))
-        calcium = np.isfinite(place) & ~(place > fall + BLOOMS_MM)
-        radius, bad = tidy(np.where(calcium, inner, fall))
-        radius = filtered(radius, profiles.s_mm)
-        tissue = wall_level(profiles, radius, blood, sigma_mm if method == "psf_edge" else None, calcium)
+        calcium = np.isfinite(place) & ~(place > fall + BLOOMING_MM)
+        radius, bad = replace_outliers(np.where(calcium, inner, fall))
+        radius = smooth_radii(radius, profiles.s_mm)
+        tissue = tissue_hu(profiles, radius, blood, sigma_mm if method == "psf_edge" else None, calcium)
         if method == "psf_edge":
             mean = np.maximum(np.sqrt(np.mean(np.maximum(radius, 0) ** 2, axis=1)), 0.3 * sigma_mm)
             share = edge_share(mean, sigma_mm)[:, None]
@@ -268,9 +274,9 @@ def find(profiles, method, blood, sigma_mm=None, stented=False, rounds=4):
         if stent.any():
             reach = radius[metal].max() + 0.3
             struts = stents.fit(profiles.hu[metal], profiles.r_mm, blood, HEALTHY_WALL_HU, sigma_mm, reach)
-            radius[metal] = tidy(struts)[0]
-            radius = filtered(radius, profiles.s_mm)
-        bend = along(radius.mean(axis=1), profiles.s_mm, 1.5 * FILTER_MM, derivative=2)
+            radius[metal] = replace_outliers(struts)[0]
+            radius = smooth_radii(radius, profiles.s_mm)
+        bend = smooth_along(radius.mean(axis=1), profiles.s_mm, 1.5 * FILTER_MM, derivative=2)
         radius = radius - 0.5 * sigma_mm**2 * np.clip(bend, -0.6, 0.6)[:, None]
     return np.maximum(radius, 0.1), bad
 
@@ -282,7 +288,7 @@ def point_spread(profiles, radius, blood):
     moved by delta) is fitted over sigma and delta. B is the blood's CT number. T is fixed at a healthy wall's, since
     with T free the fat behind the wall would increase sigma.
     """
-    steep = bright(profiles, blood)[0].any(axis=1)  # calcium and metal steepen the edge
+    steep = bright_rays(profiles, blood)[0].any(axis=1)  # calcium and metal steepen the edge
     steep = uniform_filter1d(steep.astype(float), 9, mode="nearest") > 0.05
     wide = np.flatnonzero((radius.mean(axis=1) > 1.1) & ~steep)
     if len(wide) < 8:
@@ -295,9 +301,9 @@ def point_spread(profiles, radius, blood):
         mean += section.ev(rays[:, None], radius[i][:, None] + offset[None]).mean(axis=0) / len(wide)
     centre = radius[wide].mean()
 
-    def disc(at, sigma, delta):
+    def blurred_disc(at, sigma, delta):
         share = chndtr((centre / sigma) ** 2, 2, ((centre + at - delta) / sigma) ** 2)
         return HEALTHY_WALL_HU + (blood - HEALTHY_WALL_HU) * share
 
-    found, _ = curve_fit(disc, offset, mean, [USUAL_SIGMA_MM, 0.0], bounds=([0.08, -0.3], [1.0, 0.3]))
+    found, _ = curve_fit(blurred_disc, offset, mean, [USUAL_SIGMA_MM, 0.0], bounds=([0.08, -0.3], [1.0, 0.3]))
     return float(found[0])

@@ -8,12 +8,12 @@ STEP_MM = 0.02  # between the radii tried
 STRUT_CENTRE_MM = 0.04  # from the wall inwards to the middle of struts of usual thickness
 
 
-def disc(r_mm, radius_mm, sigma_mm):
+def blurred_disc(r_mm, radius_mm, sigma_mm):
     """Value at distances r_mm from the centre of a unit disc of radius_mm, blurred by a Gaussian of sigma_mm."""
     return chndtr((radius_mm / sigma_mm) ** 2, 2, (r_mm / sigma_mm) ** 2)
 
 
-def shell(r_mm, radius_mm, sigma_mm):
+def blurred_ring(r_mm, radius_mm, sigma_mm):
     """Value at distances r_mm from the centre of a thin ring of radius_mm, blurred by a Gaussian of sigma_mm.
 
     It is scaled so that the maximum of a wide ring is 1.
@@ -37,8 +37,8 @@ def fit(hu, r_mm, blood, tissue, sigma_mm, largest_mm):
     for number, radius in enumerate(candidates):
         inside = (r_mm > radius - INNER_MM) & (r_mm < radius + OUTER_MM)
         r = r_mm[inside]
-        rest = hu[..., inside] - tissue - (blood - tissue) * disc(r, radius, sigma_mm)
-        ring = shell(r, radius - STRUT_CENTRE_MM, sigma_mm)
+        rest = hu[..., inside] - tissue - (blood - tissue) * blurred_disc(r, radius, sigma_mm)
+        ring = blurred_ring(r, radius - STRUT_CENTRE_MM, sigma_mm)
         metal = np.maximum(rest @ ring / (ring @ ring), 0)
         errors[number] = np.mean((rest - metal[..., None] * ring) ** 2, axis=-1)
     best = np.clip(np.argmin(errors, axis=0), 1, len(candidates) - 2)

@@ -11,7 +11,8 @@ namespace anatomy {
 namespace {
 
 // Interpolates plaque at each vertex from the nearest triangle of the input surface.
-void carry_plaque(const Mesh& mesh, vtkPolyData* input, vtkDataArray* thickness, vtkDataArray* type, Arrays& arrays) {
+void interpolate_plaque(const Mesh& mesh, vtkPolyData* input, vtkDataArray* thickness, vtkDataArray* type,
+                        LumenArrays& arrays) {
   vtkNew<vtkCellLocator> locator; // vtkStaticCellLocator may return a cell that is not the nearest (VTK 9.1)
   locator->SetDataSet(input);
   locator->BuildLocator();
@@ -41,7 +42,7 @@ void carry_plaque(const Mesh& mesh, vtkPolyData* input, vtkDataArray* thickness,
 }
 
 // Sets plaque to 0 at the inner vertices of caps, which are not wall.
-void clear_caps(const Mesh& mesh, Arrays& arrays) {
+void clear_plaque_on_caps(const Mesh& mesh, LumenArrays& arrays) {
   const RegionMap region = region_map(mesh);
   for (Vertex v : mesh.vertices()) {
     const auto faces = mesh.faces_around_target(mesh.halfedge(v));
@@ -52,9 +53,9 @@ void clear_caps(const Mesh& mesh, Arrays& arrays) {
 
 } // namespace
 
-Arrays arrays_of(const Mesh& mesh, const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles,
-                 vtkPolyData* input) {
-  Arrays arrays;
+LumenArrays lumen_arrays(const Mesh& mesh, const std::vector<Branch>& branches,
+                         const std::vector<ReferenceProfile>& profiles, vtkPolyData* input) {
+  LumenArrays arrays;
   const std::size_t n = mesh.number_of_vertices();
   arrays.radius_mm.resize(n);
   arrays.reference_radius_mm.resize(n);
@@ -77,8 +78,8 @@ Arrays arrays_of(const Mesh& mesh, const std::vector<Branch>& branches, const st
   vtkDataArray* thickness = input->GetPointData()->GetArray("plaque_thickness_mm");
   vtkDataArray* type = input->GetPointData()->GetArray("plaque_type");
   if (thickness && type)
-    carry_plaque(mesh, input, thickness, type, arrays);
-  clear_caps(mesh, arrays);
+    interpolate_plaque(mesh, input, thickness, type, arrays);
+  clear_plaque_on_caps(mesh, arrays);
   return arrays;
 }
 

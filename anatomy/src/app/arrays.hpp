@@ -6,7 +6,7 @@
 namespace anatomy {
 
 /// The arrays of a surface; docs/design.md says what each means.
-struct Arrays {
+struct LumenArrays {
   std::vector<int> branch_id;                                              ///< per face
   std::vector<double> radius_mm, reference_radius_mm, plaque_thickness_mm; ///< per vertex
   std::vector<int> plaque_type;                                            ///< per vertex
@@ -16,7 +16,7 @@ struct Arrays {
 /// the arrays plaque_thickness_mm and plaque_type, plaque is interpolated from its nearest triangle. Else the thickness
 /// is the reference radius minus the distance to the axis, if positive, and the type is 1 where there is plaque. At
 /// vertices inside caps plaque is 0.
-Arrays arrays_of(const Mesh& mesh, const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles,
-                 vtkPolyData* input);
+LumenArrays lumen_arrays(const Mesh& mesh, const std::vector<Branch>& branches,
+                         const std::vector<ReferenceProfile>& profiles, vtkPolyData* input);
 
 } // namespace anatomy

@@ -11,30 +11,30 @@ namespace {
 
 using common::InputError;
 
-constexpr double least_move = 1e-3; // mm: a smaller move of the caps is not reported
+constexpr double least_reported_move = 1e-3; // mm: a smaller move of the caps is not reported
 // Radii: a larger move of a cap gives a warning. A move of 0.1 is a tilt of 6 degrees, which changes the area by half a
 // per cent.
-constexpr double much_of_cap = 0.1;
+constexpr double most_unwarned_move = 0.1;
 constexpr double smallest_angle = 30; // degrees: a smaller corner of a triangle gives a warning
 // Rms scatter of the wall, in mean edges, from which on ends may not be seen. Flat ends are found until noise tilts the
 // triangles by about 12 degrees.
-constexpr double rough = 0.15;
+constexpr double rough_scatter = 0.15;
 constexpr double least_stub = 0.4;    // mean radii: least prominence of a tip that counts as a stub
 constexpr double least_wide_stub = 1; // mean radii: least prominence of a stub that may be the inlet
-constexpr double beyond_rim = 2;      // radii of an end: a tip farther from its centre is not at the end's rim
+constexpr double rim_radii = 2;       // radii of an end: a tip farther from its centre is not at the end's rim
 // Radii of a closed branch: one that stands out by more is a tube. A sac is as wide as it is long.
-constexpr double tube = 1.5;
+constexpr double tube_prominence = 1.5;
 constexpr double narrowest_stub = 0.3; // mm, radius of the narrowest closed branch that is checked
 
 // Whether p (mm) is so far from every end that it is not at the end's rim.
-bool far_from(const Vec3& p, const std::vector<End>& ends) {
+bool is_away_from_ends(const Vec3& p, const std::vector<End>& ends) {
   return std::all_of(ends.begin(), ends.end(),
-                     [&](const End& end) { return (end.centre - p).norm() > beyond_rim * end.radius(); });
+                     [&](const End& end) { return (end.centre - p).norm() > rim_radii * end.radius(); });
 }
 
 } // namespace
 
-void check_no_handle(Mesh& mesh, long most) {
+void check_no_handle(Mesh& mesh, long most_handles) {
   remove_isolated_vertices(mesh);
   mesh.collect_garbage();
   const auto places = places_on_handles(mesh);
@@ -43,30 +43,31 @@ void check_no_handle(Mesh& mesh, long most) {
   const long euler =
       static_cast<long>(mesh.number_of_vertices() + mesh.number_of_faces()) - static_cast<long>(mesh.number_of_edges());
   if (euler > 2)
-    throw InputError("the surface falls into pieces", "near " + place(vec(mesh.point(places[0]))),
+    throw InputError("the surface falls into pieces", "near " + point_text(vec(mesh.point(places[0]))),
                      "Euler number " + std::to_string(euler), "smooth or re-segment the surface there");
   const long rings = 1 - euler / 2;
-  if (rings <= most)
+  if (rings <= most_handles)
     return;
   throw InputError(rings > 1 ? "the lumen forms " + std::to_string(rings) + " rings, as no coronary tree does"
                              : "the lumen forms a ring, as no coronary tree does",
-                   "near " + place(vec(mesh.point(places[0]))), "Euler number " + std::to_string(euler),
-                   rings > few_rings ? "smooth or re-segment the surface: so many are noise as large as its triangles"
-                                     : "separate the vessels that touch there, or fill the hole through the lumen");
+                   "near " + point_text(vec(mesh.point(places[0]))), "Euler number " + std::to_string(euler),
+                   rings > most_touching_rings
+                       ? "smooth or re-segment the surface: so many are noise as large as its triangles"
+                       : "separate the vessels that touch there, or fill the hole through the lumen");
 }
 
-void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool named, std::vector<Repair>& repairs) {
+void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool all_named, std::vector<Repair>& repairs) {
   for (const RoundedEnd& end : rounded_ends(mesh, ends, least_stub, true)) {
-    if (end.widest < narrowest_stub || end.prominence < end.widest)
+    if (end.widest_ball < narrowest_stub || end.prominence < end.widest_ball)
       continue;
     char value[160];
-    std::snprintf(value, sizeof value, "diameter %.2f mm, closed, stands out by %.2f mm", 2 * end.widest,
+    std::snprintf(value, sizeof value, "diameter %.2f mm, closed, stands out by %.2f mm", 2 * end.widest_ball,
                   end.prominence);
-    if (!named && end.prominence > tube * end.widest)
-      throw InputError("a branch of the coronary tree without an end", "at " + place(end.at), value,
+    if (!all_named && end.prominence > tube_prominence * end.widest_ball)
+      throw InputError("a branch of the coronary tree without an end", "at " + point_text(end.position), value,
                        "cut it flat or open it, or cut across it by --cut x,y,z; to leave it closed name every outlet "
                        "by --outlet");
-    repairs.push_back({"branch left closed", 1, "at " + place(end.at) + ", " + value, true});
+    repairs.push_back({"branch left closed", 1, "at " + point_text(end.position) + ", " + value, true});
   }
 }
 
@@ -75,80 +76,80 @@ void check_no_wide_stub(const Mesh& mesh, const std::vector<End>& ends) {
   for (const End& end : ends)
     widest = std::max(widest, end.radius());
   for (const RoundedEnd& stub : rounded_ends(mesh, ends, least_wide_stub, true)) {
-    if (stub.widest <= widest)
+    if (stub.widest_ball <= widest)
       continue;
     char value[160];
     std::snprintf(value, sizeof value, "%.2f mm wide, stands out by %.2f mm; the widest end has %.2f mm",
-                  2 * stub.widest, stub.prominence, 2 * widest);
+                  2 * stub.widest_ball, stub.prominence, 2 * widest);
     throw InputError(
-        "a closed stub is wider than every end: where does blood enter?", "at " + place(stub.at), value,
+        "a closed stub is wider than every end: where does blood enter?", "at " + point_text(stub.position), value,
         "name the inlet by --inlet x,y,z, at the stub's tip or, if the stub is an aneurysm, at the end where blood "
         "enters; or cut the stub flat or open it");
   }
 }
 
-void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::vector<Candidate>& candidates,
+void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::vector<EndCandidate>& candidates,
                    std::vector<Repair>& repairs) {
   const double mean = mean_radius(mesh);
-  std::vector<Vec3> known; // tips that have a warning, from the search for the ends or from this function
-  for (const Candidate& one : candidates)
+  std::vector<Vec3> warned_tips; // tips that have a warning, from the search for the ends or from this function
+  for (const EndCandidate& one : candidates)
     if (one.kind == "rounded")
-      known.push_back(one.centre);
+      warned_tips.push_back(one.centre);
   for (const Tip& tip : tips_beside_ends(mesh, ends, least_stub * mean)) {
     const Vec3 at = vec(mesh.point(tip.vertex));
-    if (tip.is_extremity && far_from(at, ends)) {
+    if (tip.is_extremity && is_away_from_ends(at, ends)) {
       char value[80];
       std::snprintf(value, sizeof value, "%.1f mm along the wall from the other extremity", tip.prominence);
-      throw InputError("the lumen goes on beyond its ends", "to " + place(at), value,
+      throw InputError("the lumen goes on beyond its ends", "to " + point_text(at), value,
                        "cut it flat or open it there, or cut across it by --cut x,y,z; to leave it closed name every "
                        "outlet by --outlet");
     }
-    if (std::any_of(known.begin(), known.end(), [&](const Vec3& p) { return (p - at).norm() < mean; }))
+    if (std::any_of(warned_tips.begin(), warned_tips.end(), [&](const Vec3& p) { return (p - at).norm() < mean; }))
       continue;
-    known.push_back(at);
+    warned_tips.push_back(at);
     char detail[240];
     std::snprintf(
         detail, sizeof detail,
         "at %s: it stands out by %.2f mm and counts as wall; if it is a branch, cut it flat or open it in the "
         "surface, or name it among all outlets by --outlet",
-        place(at).c_str(), tip.prominence);
+        point_text(at).c_str(), tip.prominence);
     repairs.push_back({"stub left closed", 1, detail, true});
   }
 }
 
-std::vector<Vec3> tips_of_stubs(const Mesh& mesh, const std::vector<End>& ends) {
+std::vector<Vec3> stub_tips(const Mesh& mesh, const std::vector<End>& ends) {
   std::vector<Vec3> out;
   for (const Tip& tip : tips_beside_ends(mesh, ends, least_stub * mean_radius(mesh)))
-    if (const Vec3 at = vec(mesh.point(tip.vertex)); far_from(at, ends))
+    if (const Vec3 at = vec(mesh.point(tip.vertex)); is_away_from_ends(at, ends))
       out.push_back(at);
   return out;
 }
 
-void report_move(std::vector<Repair>& repairs, const Move& move, std::size_t ends) {
-  if (move.distance > least_move)
+void report_cap_move(std::vector<Repair>& repairs, const CapMove& move, std::size_t ends) {
+  if (move.distance > least_reported_move)
     repairs.push_back({"caps flattened", ends,
-                       "moved up to " + std::to_string(move.distance) + " mm at " + place(move.to),
-                       move.share > much_of_cap});
+                       "moved up to " + std::to_string(move.distance) + " mm at " + point_text(move.moved_to),
+                       move.share > most_unwarned_move});
 }
 
-void warn_of_corner(std::vector<Repair>& repairs, const Quality& quality) {
+void warn_of_narrow_corner(std::vector<Repair>& repairs, const Quality& quality) {
   if (quality.min_angle_deg >= smallest_angle)
     return;
   char detail[160];
   std::snprintf(detail, sizeof detail,
                 "of %.1f degrees at %s: %.0f are wanted. The surface can be used; another --edge may do better",
-                quality.min_angle_deg, place(quality.min_angle_at).c_str(), smallest_angle);
+                quality.min_angle_deg, point_text(quality.min_angle_at).c_str(), smallest_angle);
   repairs.push_back({"narrow corner in the new surface", 1, detail, true});
 }
 
 void check_ends_seen(const Mesh& mesh, const std::vector<End>& ends) {
   const Roughness wall = roughness_of(mesh);
-  if (ends.size() >= 2 || wall.rms < rough * wall.edge)
+  if (ends.size() >= 2 || wall.rms < rough_scatter * wall.edge)
     return;
   char value[160];
   std::snprintf(value, sizeof value, "%zu ends found; the wall scatters by %.3f mm (rms) at edges of %.3f mm",
                 ends.size(), wall.rms, wall.edge);
-  throw InputError("the wall is too rough for its ends to be seen", "roughest near " + place(wall.at), value,
+  throw InputError("the wall is too rough for its ends to be seen", "roughest near " + point_text(wall.at), value,
                    "smooth the surface, or cut its ends off and leave them open");
 }
 

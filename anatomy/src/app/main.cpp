@@ -79,12 +79,12 @@ void print_summary(const Anatomy& anatomy, const StepTimer& timer) {
 
 // The coronary trees whose ends `lumen check` shows: the one that the user chose, else all. If there is no aorta, the
 // list has one null pointer, for the whole surface.
-std::vector<const CoronaryTree*> to_check(const Closed& closed, const Options& options) {
+std::vector<const CoronaryTree*> trees_to_check(const ClosedSurface& closed, const Options& options) {
   if (!closed.aorta)
     return {nullptr};
-  const TreeChoice choice = choice_of(options);
+  const TreeChoice choice = tree_choice_of(options);
   if (choice.is_given() || !choice.outlets.empty())
-    return {&chosen(*closed.aorta, choice)};
+    return {&choose_tree(*closed.aorta, choice)};
   std::vector<const CoronaryTree*> trees;
   for (const CoronaryTree& tree : closed.aorta->trees)
     trees.push_back(&tree);
@@ -93,12 +93,13 @@ std::vector<const CoronaryTree*> to_check(const Closed& closed, const Options& o
 
 // A line of text with the end that becomes the inlet, and why. It is empty if the file's own tags name the inlet, or if
 // there are fewer than two ends.
-std::string line_of_inlet(const Prepared& prepared) {
+std::string inlet_line(const PreparedLumen& prepared) {
   if (prepared.ends.size() < 2 || tagged_inlet(prepared.input))
     return "";
   const End& inlet = prepared.ends[inlet_of(prepared.ends, prepared.named.inlet)];
   char line[160];
-  std::snprintf(line, sizeof line, "inlet: %s, diameter %.2f mm, %s\n", place(inlet.centre).c_str(), 2 * inlet.radius(),
+  std::snprintf(line, sizeof line, "inlet: %s, diameter %.2f mm, %s\n", point_text(inlet.centre).c_str(),
+                2 * inlet.radius(),
                 prepared.named.inlet ? "named" : "since it is the largest end; --inlet names another");
   return line;
 }
@@ -107,33 +108,33 @@ void check(const Options& options, const std::string& repaired, const std::strin
   if (!repaired.empty())
     check_surface_name(repaired);
   StepTimer timer;
-  const Closed closed = closed_surface(options, timer);
-  const std::vector<const CoronaryTree*> trees = to_check(closed, options);
-  std::vector<Candidate> candidates;
-  std::vector<TreeShown> shown;
-  std::set<std::string> said;
+  const ClosedSurface closed = closed_surface(options, timer);
+  const std::vector<const CoronaryTree*> trees = trees_to_check(closed, options);
+  std::vector<EndCandidate> candidates;
+  std::vector<TreeEntry> tree_entries;
+  std::set<std::string> printed;
   Mesh mesh = closed.mesh;
   for (const CoronaryTree* tree : trees) {
-    const Prepared prepared = with_ends(closed, tree, options, timer);
-    say_warnings(prepared.repairs, 0);
+    const PreparedLumen prepared = find_lumen_ends(closed, tree, options, timer);
+    print_warnings(prepared.repairs, 0);
     for (const Repair& repair : prepared.repairs) {
       const std::string line = "repair: " + repair.what + " (" + std::to_string(repair.count) + ") " + repair.detail;
-      if (said.insert(line).second)
+      if (printed.insert(line).second)
         std::cout << line << '\n';
     }
     std::copy_if(prepared.candidates.begin(), prepared.candidates.end(), std::back_inserter(candidates),
-                 [&](const Candidate& one) { return one.is_end || trees.size() == 1; });
-    for (const std::string& line : {line_of(prepared.voxels), tree ? std::string() : line_of_inlet(prepared)})
-      if (said.insert(line).second)
+                 [&](const EndCandidate& one) { return one.is_end || trees.size() == 1; });
+    for (const std::string& line : {area_error_line(prepared.voxels), tree ? std::string() : inlet_line(prepared)})
+      if (printed.insert(line).second)
         std::cout << line;
     if (tree)
-      shown.push_back({*tree, prepared.ends.size() - 1});
+      tree_entries.push_back({*tree, prepared.ends.size() - 1});
     if (trees.size() == 1)
-      mesh = prepared.given;
+      mesh = prepared.unrefined;
   }
-  std::cout << table_of(candidates) << table_of(shown, closed.aorta);
+  std::cout << table_of(candidates) << table_of(tree_entries, closed.aorta);
   nlohmann::ordered_json document = document_of(candidates);
-  document["trees"] = document_of(shown);
+  document["trees"] = document_of(tree_entries);
   if (!ends.empty())
     write_text(ends, document.dump(1) + "\n");
   if (!repaired.empty())
@@ -143,7 +144,7 @@ void check(const Options& options, const std::string& repaired, const std::strin
 } // namespace
 
 int main(int argc, char** argv) {
-  common::same_digits_on_every_processor(argv);
+  common::restart_without_fma(argv);
   CLI::App app{"lumen: checks, repairs, remeshes and measures a coronary lumen surface (lengths in mm)", "lumen"};
   app.require_subcommand(1);
   Options options;
@@ -190,8 +191,8 @@ int main(int argc, char** argv) {
     } else if (remesh_command->parsed()) {
       check_surface_name(out);
       StepTimer timer;
-      const Prepared prepared = prepare(options, timer);
-      write_surface(remeshed(prepared.given, options.edge, prepared.mesh), out);
+      const PreparedLumen prepared = prepare(options, timer);
+      write_surface(remeshed(prepared.unrefined, options.edge, prepared.mesh), out);
     } else {
       check_folder(out);
       StepTimer timer;

@@ -10,7 +10,7 @@
 namespace anatomy {
 namespace {
 
-nlohmann::ordered_json triple(const Vec3& v) {
+nlohmann::ordered_json json_vector(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
@@ -38,7 +38,7 @@ nlohmann::ordered_json branch_entry(const Anatomy& anatomy, const Branch& branch
   // Next to a cap the axis has few points, so curvatures there do not count for the branch.
   std::size_t counted = 0;
   for (std::size_t i = 0; i < branch.s.size(); ++i) {
-    if (near_an_end(branch, anatomy.ends, branch.s[i]) || (branch.parent >= 0 && branch.s[i] < branch.s_outside))
+    if (is_near_end(branch, anatomy.ends, branch.s[i]) || (branch.parent >= 0 && branch.s[i] < branch.s_outside))
       continue;
     mean += branch.curvature[i];
     highest = std::max(highest, branch.curvature[i]);
@@ -85,12 +85,13 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
 
 // The equivalent diameter (mm) of the vessel at an end, perpendicular to the axis. The axis's direction is taken over
 // its last piece, as long as the end's radius. The cap of a slanted end is larger than the vessel's section.
-double width_of(const End& end, const std::vector<Branch>& branches) {
+double vessel_width_at(const End& end, const std::vector<Branch>& branches) {
   const Axis& axis =
       std::find_if(branches.begin(), branches.end(), [&](const Branch& one) { return one.name == end.branch; })->axis;
   const double last = std::min(end.radius(), axis.length());
-  const Vec3 way = end.inlet ? axis.at(last) - axis.at(0) : axis.at(axis.length()) - axis.at(axis.length() - last);
-  return 2 * end.radius() * std::sqrt(std::abs(way.normalized().dot(end.normal)));
+  const Vec3 direction =
+      end.inlet ? axis.at(last) - axis.at(0) : axis.at(axis.length()) - axis.at(axis.length() - last);
+  return 2 * end.radius() * std::sqrt(std::abs(direction.normalized().dot(end.normal)));
 }
 
 nlohmann::ordered_json summary(const Anatomy& anatomy, const StepTimer& timer) {
@@ -105,10 +106,10 @@ nlohmann::ordered_json summary(const Anatomy& anatomy, const StepTimer& timer) {
                            {"region_id", end.region},
                            {"kind", end.inlet ? "inlet" : "outlet"},
                            {"branch", end.branch},
-                           {"centre_mm", triple(end.centre)},
-                           {"normal", triple(end.normal)},
+                           {"centre_mm", json_vector(end.centre)},
+                           {"normal", json_vector(end.normal)},
                            {"area_mm2", end.area},
-                           {"diameter_mm", width_of(end, anatomy.branches)},
+                           {"diameter_mm", vessel_width_at(end, anatomy.branches)},
                            {"extension_mm", end.extension}});
   out["branches"] = nlohmann::ordered_json::array();
   for (const Branch& branch : anatomy.branches)
@@ -153,7 +154,7 @@ void write_anatomy(const Anatomy& anatomy, const StepTimer& timer, const std::st
   if (error)
     throw common::InputError("the folder cannot be made", folder, error.message(), "name one that can be written");
   const std::vector<std::string> names{"lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json"};
-  const auto partial = [&](const std::string& name) { return partial_of(fs::path(folder) / name); };
+  const auto partial = [&](const std::string& name) { return temporary_path(fs::path(folder) / name); };
   try {
     write_vtp(lumen_data(anatomy.mesh, &anatomy.arrays), partial(names[0]));
     write_vtp(centreline_data(anatomy.branches), partial(names[1]));

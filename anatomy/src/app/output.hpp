@@ -19,7 +19,7 @@ struct Anatomy {
   std::vector<ReferenceProfile> profiles;
   std::vector<Lesion> lesions;
   std::vector<Repair> repairs;
-  Arrays arrays;
+  LumenArrays arrays;
   Quality quality;
 };
 

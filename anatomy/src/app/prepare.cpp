@@ -88,7 +88,7 @@ Voxels voxels_of(vtkPolyData* input, const Mesh& mesh) {
 void keep_ends_of_tree(const Mesh& tree, bool caps, NamedEnds& named) {
   if (caps) {
     Mesh copy = tree;
-    const std::vector<End> ends = measured_ends(copy);
+    const std::vector<End> ends = measure_ends(copy);
     std::erase_if(named.outlets, [&](const Vec3& p) {
       return std::none_of(ends.begin(), ends.end(),
                           [&](const End& end) { return (end.centre - p).norm() < end.radius(); });
@@ -98,26 +98,27 @@ void keep_ends_of_tree(const Mesh& tree, bool caps, NamedEnds& named) {
 
 } // namespace
 
-void say_warnings(const std::vector<Repair>& repairs, std::size_t from) {
+void print_warnings(const std::vector<Repair>& repairs, std::size_t from) {
   for (std::size_t i = from; i < repairs.size(); ++i)
     if (repairs[i].warning)
       std::cerr << "lumen: warning: " << repairs[i].what << ": " << repairs[i].detail << '\n';
 }
 
-TreeChoice choice_of(const Options& options) {
+TreeChoice tree_choice_of(const Options& options) {
   return {options.tree, options.ostium, options.outlets};
 }
 
-Closed closed_surface(const Options& options, StepTimer& timer) {
+ClosedSurface closed_surface(const Options& options, StepTimer& timer) {
   check_options(options);
-  Closed out;
+  ClosedSurface out;
   timer.start("read");
   const std::vector<GivenCap> caps = read_caps(options.caps, options.units);
   out.input = read_surface(options.input, options.units, options.labels, out.repairs, options.inlet);
   const Soup soup = soup_of(out.input);
   timer.start("repair");
-  out.mesh = repaired(soup, out.repairs, caps.empty() ? named_by(points_of(named_ends(options, {}))) : closed_by(caps),
-                      options.inlet);
+  out.mesh =
+      repaired(soup, out.repairs,
+               caps.empty() ? ends_at_points(points_of(named_ends(options, {}))) : ends_at_caps(caps), options.inlet);
   region_map(out.mesh);
   if (!soup.region.empty())
     tag_from_soup(out.mesh, soup);
@@ -129,24 +130,25 @@ Closed closed_surface(const Options& options, StepTimer& timer) {
   remove_small_handles(out.mesh, out.repairs);
   // Later steps do not remove handles, and take long if there are many. A few are allowed here, since they may belong
   // to an aorta that is cut off.
-  check_no_handle(out.mesh, few_rings);
+  check_no_handle(out.mesh, most_touching_rings);
   timer.start("self-intersections");
   remove_self_intersections(out.mesh, out.repairs);
-  check_no_handle(out.mesh, few_rings);
+  check_no_handle(out.mesh, most_touching_rings);
   drop_scraps_of_caps(out.mesh, tags_of(open), out.repairs);
   cut_ragged(out.mesh, open, out.repairs);
   timer.start("aorta");
   out.named.openings = tags_of_openings(out.mesh, soup);
   out.named.tagged = !caps.empty() || !soup.region.empty();
   if (options.like.empty()) // the surface of an earlier state has no aorta: it is cut off already
-    out.aorta = aorta_of(out.mesh, choice_of(options), options.units, out.repairs);
+    out.aorta = find_aorta_to_cut(out.mesh, tree_choice_of(options), options.units, out.repairs);
   if (!out.aorta)
     check_no_handle(out.mesh);
   return out;
 }
 
-Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& options, StepTimer& timer) {
-  Prepared out;
+PreparedLumen find_lumen_ends(ClosedSurface closed, const CoronaryTree* tree, const Options& options,
+                              StepTimer& timer) {
+  PreparedLumen out;
   out.input = closed.input;
   out.mesh = std::move(closed.mesh);
   // The voxels are found before cuts add vertices in planes, which would look like a voxel grid's.
@@ -154,8 +156,8 @@ Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& optio
   out.named = std::move(closed.named);
   out.repairs = std::move(closed.repairs);
   if (tree) {
-    const Plane plane = cut_of(out.mesh, *tree, choice_of(options));
-    cut_off(out.mesh, *tree, plane, out.repairs);
+    const Plane plane = tree_cut_plane(out.mesh, *tree, tree_choice_of(options));
+    cut_off_tree(out.mesh, *tree, plane, out.repairs);
     keep_ends_of_tree(out.mesh, !options.caps.empty(), out.named);
     std::set<int> known;
     for (const auto& [tag, faces] : tagged_faces(out.mesh))
@@ -170,7 +172,7 @@ Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& optio
   }
   timer.start("caps");
   out.candidates = find_ends(out.mesh, out.named, smallest_cap * voxel_edge(out.input), out.repairs);
-  out.ends = measured_ends(out.mesh);
+  out.ends = measure_ends(out.mesh);
   if (tree)
     check_no_stub(out.mesh, out.ends, !out.named.outlets.empty() || out.named.tagged, out.repairs);
   else if (out.named.outlets.empty() && !out.named.tagged && out.ends.size() >= 2) {
@@ -179,9 +181,9 @@ Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& optio
       check_no_wide_stub(out.mesh, out.ends);
   }
   check_no_handle(out.mesh);
-  report_move(out.repairs, flatten_caps(out.mesh), out.ends.size());
+  report_cap_move(out.repairs, flatten_caps(out.mesh), out.ends.size());
   check_mean_radius(mean_radius(out.mesh), options.units, options.input);
-  out.given = out.mesh;
+  out.unrefined = out.mesh;
   if (is_coarse(out.mesh)) {
     out.mesh = curved_refined(out.mesh);
     out.splits = 2;
@@ -189,13 +191,13 @@ Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& optio
   return out;
 }
 
-Prepared prepare(const Options& options, StepTimer& timer) {
-  Closed closed = closed_surface(options, timer);
+PreparedLumen prepare(const Options& options, StepTimer& timer) {
+  ClosedSurface closed = closed_surface(options, timer);
   std::optional<CoronaryTree> tree;
   if (closed.aorta)
-    tree = chosen(*closed.aorta, choice_of(options));
-  Prepared out = with_ends(std::move(closed), tree ? &*tree : nullptr, options, timer);
-  say_warnings(out.repairs, 0);
+    tree = choose_tree(*closed.aorta, tree_choice_of(options));
+  PreparedLumen out = find_lumen_ends(std::move(closed), tree ? &*tree : nullptr, options, timer);
+  print_warnings(out.repairs, 0);
   return out;
 }
 

@@ -4,7 +4,7 @@
 #include "ends/find_ends.hpp"
 #include "files/cap_files.hpp"
 #include "measure/coarse_mask.hpp"
-#include "trees/choose.hpp"
+#include "trees/choose_tree.hpp"
 #include <optional>
 #include <vector>
 #include <vtkPolyData.h>
@@ -29,7 +29,7 @@ struct Options {
 };
 
 /// The repaired surface before its ends are sought: closed, with normals outward and tagged caps on its openings.
-struct Closed {
+struct ClosedSurface {
   vtkSmartPointer<vtkPolyData> input;
   Mesh mesh;
   NamedEnds named;
@@ -38,30 +38,30 @@ struct Closed {
 };
 
 /// A lumen with tagged flat caps, and its ends by decreasing area.
-struct Prepared {
+struct PreparedLumen {
   vtkSmartPointer<vtkPolyData> input;
   Mesh mesh;      ///< the lumen, refined if it is coarse
-  Mesh given;     ///< the lumen before refining
-  int splits = 1; ///< number of parts into which refining divides an edge of `given`
+  Mesh unrefined; ///< the lumen before refining
+  int splits = 1; ///< number of parts into which refining divides an edge of `unrefined`
   Voxels voxels;  ///< the voxels on which the lumen was segmented
   NamedEnds named;
   std::vector<End> ends;
-  std::vector<Candidate> candidates; ///< places where the vessel may end, with the decisions
+  std::vector<EndCandidate> candidates; ///< places where the vessel may end, with the decisions
   std::vector<Repair> repairs;
 };
 
 /// Reads, repairs and closes the surface. Throws InputError if the file or the options cannot be used.
-Closed closed_surface(const Options& options, StepTimer& timer);
+ClosedSurface closed_surface(const Options& options, StepTimer& timer);
 
 /// Finds the ends of the lumen. If a `tree` is given, it is cut off from its aorta first.
-Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& options, StepTimer& timer);
+PreparedLumen find_lumen_ends(ClosedSurface closed, const CoronaryTree* tree, const Options& options, StepTimer& timer);
 
 /// Does both of these steps, for the tree that the options choose, and prints the warnings.
-Prepared prepare(const Options& options, StepTimer& timer);
+PreparedLumen prepare(const Options& options, StepTimer& timer);
 
-TreeChoice choice_of(const Options& options);
+TreeChoice tree_choice_of(const Options& options);
 
 /// Prints to standard error the warnings among the repairs from index `from` on.
-void say_warnings(const std::vector<Repair>& repairs, std::size_t from);
+void print_warnings(const std::vector<Repair>& repairs, std::size_t from);
 
 } // namespace anatomy

@@ -1,6 +1,6 @@
 #include "app/process.hpp"
 #include "app/checks.hpp"
-#include "app/inlet_doubts.hpp"
+#include "app/inlet_warnings.hpp"
 #include "common/error.hpp"
 #include "core/measures.hpp"
 #include "ends/ends.hpp"
@@ -24,17 +24,17 @@ namespace {
 
 using common::InputError;
 
-constexpr double finest_start = 0.05;     // mm, shortest edge of a mesh that is tried for the axes
-constexpr double most_triangles = 250000; // triangles of a mesh that is tried for the axes; it takes some 20 s
+constexpr double finest_trial_edge = 0.05;      // mm, shortest edge of a mesh that is tried for the axes
+constexpr double most_trial_triangles = 250000; // triangles of a mesh that is tried for the axes; it takes some 20 s
 
 // Whether a mesh of this edge (mm) may be tried after one of longer edges has failed.
-bool may_start_from(double edge, const Mesh& surface) {
-  return edge >= finest_start && surface_area(surface) / (std::sqrt(3.0) / 4 * edge * edge) < most_triangles;
+bool can_try_edge(double edge, const Mesh& surface) {
+  return edge >= finest_trial_edge && surface_area(surface) / (std::sqrt(3.0) / 4 * edge * edge) < most_trial_triangles;
 }
 
 // Reads the anatomy.json of an earlier state. Throws InputError if a value of its ends that is used later is missing or
 // invalid.
-nlohmann::json read_like(const std::string& path) {
+nlohmann::json read_earlier_state(const std::string& path) {
   std::ifstream file(path);
   if (!file)
     throw InputError("no such file", path, "missing", "give the anatomy.json of the earlier state");
@@ -83,18 +83,18 @@ std::optional<Vec3> inlet_by_tag(const std::vector<End>& ends, vtkPolyData* inpu
 
 // Decides which end is the inlet and which branch each outlet ends. It follows the earlier state if there is one, else
 // the caps or points of the user, else the file's tags, else the ends' size.
-Naming named(std::vector<End>& ends, const NamedEnds& given, const std::optional<nlohmann::json>& like,
-             vtkPolyData* input) {
+Naming choose_naming(std::vector<End>& ends, const NamedEnds& given, const std::optional<nlohmann::json>& like,
+                     vtkPolyData* input) {
   if (like)
-    return naming_like(ends, *like);
-  return naming_given(ends, given.inlet ? given.inlet : inlet_by_tag(ends, input), given.outlets);
+    return naming_from_earlier(ends, *like);
+  return naming_from_points(ends, given.inlet ? given.inlet : inlet_by_tag(ends, input), given.outlets);
 }
 
 // Whether the given mesh may have the wanted edge length already. This needs an earlier state, tags of the caps
 // (`tagged`), and fewer than four times the triangles expected at that edge length.
-bool may_be_kept(const Options& options, const Prepared& prepared, bool tagged) {
-  const double triangles = surface_area(prepared.given) / (std::sqrt(3.0) / 4 * options.edge * options.edge);
-  return tagged && !options.like.empty() && static_cast<double>(prepared.given.number_of_faces()) < 4 * triangles;
+bool may_keep_mesh(const Options& options, const PreparedLumen& prepared, bool tagged) {
+  const double triangles = surface_area(prepared.unrefined) / (std::sqrt(3.0) / 4 * options.edge * options.edge);
+  return tagged && !options.like.empty() && static_cast<double>(prepared.unrefined.number_of_faces()) < 4 * triangles;
 }
 
 // The extension of each end, in radii of the end.
@@ -105,16 +105,16 @@ std::vector<double> extensions(const Options& options, std::size_t ends, std::si
 }
 
 // The mesh whose inscribed balls give the axes, and the paths through these balls.
-struct Start {
+struct AxisMesh {
   Mesh mesh;
   double edge; ///< mm, edge length of the mesh
   std::vector<Path> paths;
 };
 
 // Remeshes to the wanted edge length and finds the paths. If that edge is too long to follow the lumen through a
-// narrowing, it is halved, as often as may_start_from allows.
-Start started(const Mesh& coarse, const Prepared& prepared, const Options& options, std::size_t inlet,
-              StepTimer& timer) {
+// narrowing, it is halved, as often as can_try_edge allows.
+AxisMesh find_axis_mesh(const Mesh& coarse, const PreparedLumen& prepared, const Options& options, std::size_t inlet,
+                        StepTimer& timer) {
   for (double edge = options.edge;; edge /= 2)
     try {
       timer.start("remesh");
@@ -123,33 +123,34 @@ Start started(const Mesh& coarse, const Prepared& prepared, const Options& optio
       std::vector<Path> paths = voronoi_paths(mesh, prepared.ends, inlet);
       return {std::move(mesh), edge, std::move(paths)};
     } catch (const common::ComputationError&) {
-      if (!may_start_from(edge / 2, prepared.mesh))
+      if (!can_try_edge(edge / 2, prepared.mesh))
         throw;
     }
 }
 
 // Makes the edges of the uniform mesh as long as `field` asks. If this fails, as where it closes a throat, the function
 // starts from finer meshes: of half the edge, a quarter, and so on.
-Mesh graded_from(const Start& start, const Mesh& surface, const EdgeField& field) {
-  for (double edge = start.edge;; edge /= 2)
+Mesh graded_with_retries(const AxisMesh& axis_mesh, const Mesh& surface, const EdgeField& field) {
+  for (double edge = axis_mesh.edge;; edge /= 2)
     try {
       if (edge >= field.edge())
-        return graded(start.mesh, surface, field);
-      return coarsened(edge == start.edge ? start.mesh : remeshed(surface, edge, surface), edge, surface, field);
+        return graded(axis_mesh.mesh, surface, field);
+      return coarsened(edge == axis_mesh.edge ? axis_mesh.mesh : remeshed(surface, edge, surface), edge, surface,
+                       field);
     } catch (const common::ComputationError&) {
-      if (!may_start_from(edge / 2, surface))
+      if (!can_try_edge(edge / 2, surface))
         throw;
     }
 }
 
 // The final mesh. If `kept`, it is the mesh of the earlier state, remeshed only where its edges no longer have the
 // wanted length. Otherwise, or if too much of it would change, it is made anew.
-Mesh graded_mesh(const Start& start, bool kept, const Mesh& surface, const EdgeField& field) {
+Mesh graded_mesh(const AxisMesh& axis_mesh, bool kept, const Mesh& surface, const EdgeField& field) {
   if (!kept)
-    return graded_from(start, surface, field);
-  if (const auto regraded_mesh = regraded(start.mesh, surface, field))
+    return graded_with_retries(axis_mesh, surface, field);
+  if (const auto regraded_mesh = regraded(axis_mesh.mesh, surface, field))
     return *regraded_mesh;
-  return graded_from({remeshed(surface, field.edge(), surface), field.edge(), {}}, surface, field);
+  return graded_with_retries({remeshed(surface, field.edge(), surface), field.edge(), {}}, surface, field);
 }
 
 } // namespace
@@ -157,8 +158,8 @@ Mesh graded_mesh(const Start& start, bool kept, const Mesh& surface, const EdgeF
 Anatomy process(const Options& options, StepTimer& timer) {
   std::optional<nlohmann::json> like;
   if (!options.like.empty())
-    like = read_like(options.like);
-  Prepared prepared = prepare(options, timer);
+    like = read_earlier_state(options.like);
+  PreparedLumen prepared = prepare(options, timer);
   Anatomy out;
   out.source_path = options.input;
   out.source_sha256 = sha256_of_file(options.input);
@@ -167,29 +168,30 @@ Anatomy process(const Options& options, StepTimer& timer) {
   out.repairs = prepared.repairs;
   out.ends = prepared.ends;
   check_ends_seen(prepared.mesh, prepared.ends);
-  const Naming naming = named(out.ends, prepared.named, like, prepared.input);
+  const Naming naming = choose_naming(out.ends, prepared.named, like, prepared.input);
   timer.start("extend");
   prepared.mesh = extended(prepared.mesh, out.ends, extensions(options, out.ends.size(), naming.inlet));
   const bool extends = options.extend_inlet > 0 || options.extend_outlets > 0;
-  const Mesh& coarse = extends ? prepared.mesh : prepared.given; // the unrefined `given` is remeshed faster
-  const bool kept = !extends && may_be_kept(options, prepared, prepared.input->GetCellData()->HasArray("region_id"));
+  const Mesh& coarse = extends ? prepared.mesh : prepared.unrefined; // the unrefined lumen is remeshed faster
+  const bool kept = !extends && may_keep_mesh(options, prepared, prepared.input->GetCellData()->HasArray("region_id"));
   prepared.ends = out.ends; // now with their extensions
   if (kept)
     timer.start("centreline");
-  Start start = kept ? Start{prepared.given, options.edge, voronoi_paths(prepared.given, out.ends, naming.inlet)}
-                     : started(coarse, prepared, options, naming.inlet, timer);
+  AxisMesh axis_mesh =
+      kept ? AxisMesh{prepared.unrefined, options.edge, voronoi_paths(prepared.unrefined, out.ends, naming.inlet)}
+           : find_axis_mesh(coarse, prepared, options, naming.inlet, timer);
   const WallTree wall(prepared.mesh);
   const std::vector<End> before = out.ends;
-  out.branches = build_tree(start.paths, out.ends, naming.inlet, wall, options.spacing, naming.branch);
-  retag(start.mesh, out.ends, before);
-  std::size_t said = out.repairs.size();
+  out.branches = build_tree(axis_mesh.paths, out.ends, naming.inlet, wall, options.spacing, naming.branch);
+  retag(axis_mesh.mesh, out.ends, before);
+  std::size_t reported = out.repairs.size();
   if (!like && !prepared.named.inlet && !tagged_inlet(prepared.input))
-    doubt_inlet(out.ends, out.branches, out.repairs);
+    warn_of_doubtful_inlet(out.ends, out.branches, out.repairs);
   else if (!like)
-    doubt_named_inlet(out.ends, out.repairs);
-  doubt_course(out.branches, out.repairs);
+    warn_of_narrow_inlet(out.ends, out.repairs);
+  warn_of_turning_back(out.branches, out.repairs);
   timer.start("sections");
-  const std::vector<ClosedStub> stubs = closed_stubs(out.branches, tips_of_stubs(prepared.given, before));
+  const std::vector<ClosedStub> stubs = closed_stubs(out.branches, stub_tips(prepared.unrefined, before));
   out.sections = cut_sections(prepared.mesh, out.branches, out.ends, prepared.splits, stubs);
   smooth_noisy_areas(out.branches, out.sections, out.repairs);
   timer.start("lesions");
@@ -201,16 +203,16 @@ Anatomy process(const Options& options, StepTimer& timer) {
   set_area_errors(out.lesions, prepared.voxels);
   note_fused_vessels(out.branches, out.sections, out.profiles, out.repairs);
   note_few_voxels(out.branches, out.sections, out.lesions, prepared.voxels, out.repairs);
-  say_warnings(out.repairs, said);
+  print_warnings(out.repairs, reported);
   timer.start("grade");
   retag(prepared.mesh, out.ends, before);
-  out.mesh = graded_mesh(start, kept, prepared.mesh, EdgeField(options.edge, out.branches, out.profiles));
+  out.mesh = graded_mesh(axis_mesh, kept, prepared.mesh, EdgeField(options.edge, out.branches, out.profiles));
   out.quality = quality_of(out.mesh);
-  said = out.repairs.size();
-  warn_of_corner(out.repairs, out.quality);
-  say_warnings(out.repairs, said);
+  reported = out.repairs.size();
+  warn_of_narrow_corner(out.repairs, out.quality);
+  print_warnings(out.repairs, reported);
   timer.start("arrays");
-  out.arrays = arrays_of(out.mesh, out.branches, out.profiles, prepared.input);
+  out.arrays = lumen_arrays(out.mesh, out.branches, out.profiles, prepared.input);
   return out;
 }
 

@@ -24,7 +24,7 @@ template <class Array, class Values> void add(vtkDataSetAttributes* to, const ch
 
 } // namespace
 
-vtkSmartPointer<vtkPolyData> lumen_data(const Mesh& mesh, const Arrays* arrays) {
+vtkSmartPointer<vtkPolyData> lumen_data(const Mesh& mesh, const LumenArrays* arrays) {
   auto data = vtkSmartPointer<vtkPolyData>::New();
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
@@ -87,14 +87,14 @@ void write_vtp(vtkPolyData* data, const std::filesystem::path& path) {
   vtkNew<vtkXMLPolyDataWriter> writer;
   writer->SetFileName(path.c_str());
   writer->SetInputData(data);
-  if (!common::wrote_xml(writer.Get(), path)) {
+  if (!common::write_xml(writer.Get(), path)) {
     std::error_code none;
     std::filesystem::remove(path, none);
     throw common::InputError("the file cannot be written", path.string(), "", "check the folder and the free space");
   }
 }
 
-std::filesystem::path partial_of(const std::filesystem::path& target) {
+std::filesystem::path temporary_path(const std::filesystem::path& target) {
   return target.parent_path() / (".partial-" + std::to_string(getpid()) + "-" + target.filename().string());
 }
 
@@ -107,7 +107,7 @@ void check_surface_name(const std::string& path) {
 void write_surface(const Mesh& mesh, const std::string& path) {
   const std::filesystem::path target(path);
   check_surface_name(path);
-  const auto partial = partial_of(target);
+  const auto partial = temporary_path(target);
   const auto data = lumen_data(mesh, nullptr);
   if (target.extension() == ".vtp") {
     write_vtp(data, partial);
@@ -116,7 +116,7 @@ void write_surface(const Mesh& mesh, const std::string& path) {
     writer->SetFileName(partial.c_str());
     writer->SetFileTypeToBinary();
     writer->SetInputData(data);
-    if (!common::wrote_stl(writer.Get(), partial, data->GetNumberOfPolys()))
+    if (!common::write_stl(writer.Get(), partial, data->GetNumberOfPolys()))
       throw common::InputError("the file cannot be written", path, "", "check the folder and the free space");
   }
   std::error_code error;

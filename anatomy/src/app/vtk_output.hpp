@@ -8,7 +8,7 @@
 namespace anatomy {
 
 /// The triangles with the cell array region_id and, unless null, the `arrays` (docs/design.md).
-vtkSmartPointer<vtkPolyData> lumen_data(const Mesh& mesh, const Arrays* arrays);
+vtkSmartPointer<vtkPolyData> lumen_data(const Mesh& mesh, const LumenArrays* arrays);
 
 /// A polyline per branch with the arrays s_mm, radius_mm, curvature_per_mm, torsion_per_mm, branch_id, branch_name.
 vtkSmartPointer<vtkPolyData> centreline_data(const std::vector<Branch>& branches);
@@ -18,7 +18,7 @@ void write_vtp(vtkPolyData* data, const std::filesystem::path& path);
 
 /// Path of a temporary file beside `target`, for writing until the file is complete. Its name has the number of the
 /// process, so that two runs do not write to the same file.
-std::filesystem::path partial_of(const std::filesystem::path& target);
+std::filesystem::path temporary_path(const std::filesystem::path& target);
 
 /// Throws InputError unless the name ends in .vtp or .stl.
 void check_surface_name(const std::string& path);

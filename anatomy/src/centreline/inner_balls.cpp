@@ -16,33 +16,34 @@ using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<std::size_t, Kern
 using CellBase = CGAL::Triangulation_cell_base_with_info_3<int, Kernel>;
 using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 
-constexpr double beside_end = 1.1; // radii from an end's axis: farther places belong to a vessel that runs past the end
+constexpr double end_margin_radii =
+    1.1; // radii from an end's axis: farther places belong to a vessel that runs past the end
 // Radii of a ball: if all wall points that it touches are nearer to each other, they are one patch of the wall.
-constexpr double on_one_side = 0.2;
+constexpr double one_patch_radii = 0.2;
 
 // Whether p lies beyond a cap, at any distance. A ball there may touch only the cap's rim, whose normals do not show
 // that the ball is outside.
-bool before_an_end(const Vec3& p, const std::vector<End>& ends) {
+bool lies_beyond_cap(const Vec3& p, const std::vector<End>& ends) {
   return std::any_of(ends.begin(), ends.end(), [&](const End& end) {
     const Vec3 d = p - end.centre;
     const double outside = d.dot(end.normal), aside = (d - outside * end.normal).norm();
-    return outside > 0 && aside < beside_end * end.radius();
+    return outside > 0 && aside < end_margin_radii * end.radius();
   });
 }
 
 // Whether the line from a to b passes through a cap. In a bend two ends may face each other.
-bool crosses_an_end(const Vec3& a, const Vec3& b, const std::vector<End>& ends) {
+bool crosses_cap(const Vec3& a, const Vec3& b, const std::vector<End>& ends) {
   return std::any_of(ends.begin(), ends.end(), [&](const End& end) {
     const double ha = (a - end.centre).dot(end.normal), hb = (b - end.centre).dot(end.normal);
-    return (ha > 0) != (hb > 0) && (a + ha / (ha - hb) * (b - a) - end.centre).norm() < beside_end * end.radius();
+    return (ha > 0) != (hb > 0) && (a + ha / (ha - hb) * (b - a) - end.centre).norm() < end_margin_radii * end.radius();
   });
 }
 
 // Decides whether the circumcentre c of a cell is in the lumen. Rounding errors may have moved it. For four points of a
 // flat patch, such as a cap, it may be anywhere, and their normals do not show its side.
-class Inside {
+class InsideTest {
 public:
-  Inside(const Mesh& mesh, const std::vector<End>& ends) : mesh_(mesh), ends_(ends), box_(PMP::bbox(mesh)) {}
+  InsideTest(const Mesh& mesh, const std::vector<End>& ends) : mesh_(mesh), ends_(ends), box_(PMP::bbox(mesh)) {}
   bool operator()(const Delaunay::Cell_handle& cell, const Vec3& c, double radius) {
     if (c.x() < box_.xmin() || c.x() > box_.xmax() || c.y() < box_.ymin() || c.y() > box_.ymax() ||
         c.z() < box_.zmin() || c.z() > box_.zmax())
@@ -51,7 +52,7 @@ public:
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < i; ++j)
         longest = std::max(longest, (vec(cell->vertex(i)->point()) - vec(cell->vertex(j)->point())).norm());
-    if (longest > on_one_side * radius && !before_an_end(c, ends_))
+    if (longest > one_patch_radii * radius && !lies_beyond_cap(c, ends_))
       return true;
     if (!side_)
       side_ = std::make_unique<CGAL::Side_of_triangle_mesh<Mesh, Kernel>>(mesh_);
@@ -93,7 +94,7 @@ Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t ev
   wall_points(mesh, every, points, normals);
   Delaunay delaunay(points.begin(), points.end());
   Balls balls;
-  Inside in_lumen(mesh, ends);
+  InsideTest in_lumen(mesh, ends);
   for (auto cell : delaunay.finite_cell_handles()) {
     cell->info() = -1;
     const Vec3 c = vec(CGAL::circumcenter(delaunay.tetrahedron(cell)));
@@ -116,7 +117,7 @@ Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t ev
         if (delaunay.is_infinite(other) || other->info() < 0)
           continue;
         const auto i = static_cast<std::size_t>(cell->info()), j = static_cast<std::size_t>(other->info());
-        if (!crosses_an_end(balls.centre[i], balls.centre[j], ends))
+        if (!crosses_cap(balls.centre[i], balls.centre[j], ends))
           balls.neighbours[i].push_back(j);
       }
   return balls;
@@ -137,7 +138,7 @@ bool leads_away(const Balls& balls, std::size_t from, const Vec3& p, double reac
   return false;
 }
 
-std::size_t ball_at(const Balls& balls, const End& end) {
+std::size_t ball_at_end(const Balls& balls, const End& end) {
   const auto distance = [&](std::size_t i) { return (balls.centre[i] - end.centre).norm(); };
   std::vector<std::size_t> filling;
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
@@ -150,21 +151,21 @@ std::size_t ball_at(const Balls& balls, const End& end) {
     if (leads_away(balls, i, end.centre, end.radius(), seen))
       return i;
   throw common::ComputationError(
-      "no axis found at an end", place(end.centre),
+      "no axis found at an end", point_text(end.centre),
       "no inscribed ball there; radius of the end " + std::to_string(end.radius()) + " mm",
       "if a vessel ends there, export a finer surface; behind a lip or a funnel, cut it by --cut; if it is a hole or a "
       "face of the wall, fill or smooth it, or name the ends by --inlet and --outlet");
 }
 
-Ways cheapest_ways(const Balls& balls, std::size_t from) {
-  std::vector<WayGraph::Link> links;
+ShortestPaths cheapest_paths(const Balls& balls, std::size_t from) {
+  std::vector<CostGraph::Link> links;
   std::vector<double> costs;
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
     for (std::size_t j : balls.neighbours[i]) {
       links.emplace_back(i, j);
       costs.push_back((balls.centre[i] - balls.centre[j]).norm() * 2 / (balls.radius[i] + balls.radius[j]));
     }
-  return WayGraph(balls.centre.size(), links, costs).from(from);
+  return CostGraph(balls.centre.size(), links, costs).from(from);
 }
 
 } // namespace anatomy

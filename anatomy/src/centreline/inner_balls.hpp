@@ -1,7 +1,7 @@
-// The balls inscribed in the lumen, and the cheapest paths (ways) through them. The balls are circumspheres of the
+// The balls inscribed in the lumen, and the cheapest paths through them. The balls are circumspheres of the
 // Delaunay tetrahedra of the wall's vertices (Antiga, Ene-Iordache, Remuzzi 2003).
 #pragma once
-#include "core/shortest_ways.hpp"
+#include "core/shortest_paths.hpp"
 #include "core/types.hpp"
 
 namespace anatomy {
@@ -20,7 +20,7 @@ struct Balls {
 Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t every = 1);
 
 /// The cheapest paths from ball `from` to all others. The cost of a path is the integral of ds / R.
-Ways cheapest_ways(const Balls& balls, std::size_t from);
+ShortestPaths cheapest_paths(const Balls& balls, std::size_t from);
 
 /// Whether a chain of neighbours leads from ball `from` to a ball farther than `reach` (mm) from p. Wall points on one
 /// circle or one sphere, as at a flat rim or a round end, form tetrahedra among themselves. The positions of their
@@ -31,6 +31,6 @@ bool leads_away(const Balls& balls, std::size_t from, const Vec3& p, double reac
 /// Returns the ball nearest to the end's centre that fills the end and leads into the vessel. Its radius is more than
 /// half of the end's, and its centre is within two of the end's radii. A chain of its neighbours leads farther from the
 /// end than the end's radius. Throws ComputationError if there is none.
-std::size_t ball_at(const Balls& balls, const End& end);
+std::size_t ball_at_end(const Balls& balls, const End& end);
 
 } // namespace anatomy

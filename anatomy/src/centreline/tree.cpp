@@ -6,9 +6,9 @@
 namespace anatomy {
 namespace {
 
-constexpr double bin = 0.25; // mm of path over which the points of a Voronoi path are averaged
+constexpr double bin_length = 0.25; // mm of path over which the points of a Voronoi path are averaged
 // Radii of an end: the path nearer to its cap is left out, where few balls are left to average.
-constexpr double end_trim = 0.5;
+constexpr double end_trim_radii = 0.5;
 // Least distance from an end's centre to the parent's inscribed tube, in radii of the end. A flat facet of the wall has
 // none.
 constexpr double least_stub = 0.3;
@@ -25,7 +25,7 @@ double arc_length(const std::vector<Vec3>& points) {
 std::vector<Vec3> binned(const std::vector<Vec3>& points) {
   std::vector<Vec3> out;
   Vec3 sum = Vec3::Zero();
-  double weight = 0, s = 0, bin_end = bin;
+  double weight = 0, s = 0, bin_end = bin_length;
   const auto close_bin = [&] {
     if (weight > 0)
       out.push_back(sum / weight);
@@ -35,13 +35,13 @@ std::vector<Vec3> binned(const std::vector<Vec3>& points) {
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     const double w = (points[i + 1] - points[i]).norm();
     // A long step of the path is shared among the bins that it crosses.
-    const int pieces = std::max(1, static_cast<int>(std::ceil(w / (0.2 * bin))));
+    const int pieces = std::max(1, static_cast<int>(std::ceil(w / (0.2 * bin_length))));
     for (int k = 0; k < pieces; ++k) {
       const double f = (k + 0.5) / pieces;
       const double here = s + f * w;
       while (here > bin_end) {
         close_bin();
-        bin_end += bin;
+        bin_end += bin_length;
       }
       sum += w / pieces * ((1 - f) * points[i] + f * points[i + 1]);
       weight += w / pieces;
@@ -72,7 +72,7 @@ std::vector<Vec3> between(const Path& path, std::size_t first, const End* from, 
   std::vector<Vec3> out;
   for (std::size_t i = first; i < path.points.size(); ++i) {
     const auto near = [&](const End& end) {
-      return std::abs((path.points[i] - end.centre).dot(end.normal)) < end_trim * end.radius() &&
+      return std::abs((path.points[i] - end.centre).dot(end.normal)) < end_trim_radii * end.radius() &&
              (path.points[i] - end.centre).norm() < 2 * end.radius();
     };
     if (!(from && near(*from)) && !near(to))
@@ -96,7 +96,7 @@ void sample(Branch& branch, const WallTree& wall, double step) {
 
 // Index of the parent's sample nearest to the line that continues a side branch backwards. The line goes through
 // `exit`, where the branch leaves the parent's tube, in its `direction` there.
-std::size_t take_off(const Branch& parent, const Vec3& exit, const Vec3& direction) {
+std::size_t find_take_off(const Branch& parent, const Vec3& exit, const Vec3& direction) {
   const std::size_t here = nearest_sample(parent, exit);
   std::size_t best = here;
   double nearest = 1e300;
@@ -124,13 +124,13 @@ void check_stands_out(const Branch& trunk, const End& end) {
   std::snprintf(value, sizeof value, "radius %.2f mm, centre %.2f mm outside the vessel's inscribed radius of %.2f mm",
                 end.radius(), out, trunk.radius[i]);
   throw common::InputError(
-      "an end lies in the wall of another vessel: no branch leads to it", place(end.centre), value,
+      "an end lies in the wall of another vessel: no branch leads to it", point_text(end.centre), value,
       "where it is a flat facet of the wall, name the ends by --inlet and --outlet; where a branch "
       "leaves, leave a stub at least " +
           std::to_string(static_cast<int>(100 * least_stub)) + " % of its radius long");
 }
 
-struct Builder {
+struct TreeBuilder {
   const std::vector<Path>& paths;
   const std::vector<End>& ends;
   const End& inlet;
@@ -151,7 +151,7 @@ struct Builder {
     from_inlet.push_back(0);
   }
 
-  void add_side(std::size_t end) {
+  void add_side_branch(std::size_t end) {
     const Path& path = paths[end];
     std::size_t parent = 0, exit = 0;
     for (std::size_t b = 0; b < branches.size(); ++b) {
@@ -174,7 +174,7 @@ struct Builder {
     while (ahead + 1 < outside.size() && (outside[ahead] - outside.front()).norm() < reach)
       ++ahead;
     const Vec3 towards = ahead > 0 ? outside[ahead] : ends[end].centre;
-    const std::size_t root = take_off(trunk, outside.front(), (towards - outside.front()).normalized());
+    const std::size_t root = find_take_off(trunk, outside.front(), (towards - outside.front()).normalized());
     std::vector<Vec3> points = binned(outside);
     points.insert(points.begin(), trunk.x[root]);
     points.push_back(ends[end].centre);
@@ -196,17 +196,18 @@ struct Builder {
 
 // Names the branches by their ids, and sorts them by id. The ids of an earlier state may have gaps, since a branch may
 // be missing from the lumen found after a procedure.
-void rename(std::vector<Branch>& branches, const std::vector<int>& id_of) {
+void renumber(std::vector<Branch>& branches, const std::vector<int>& id_of) {
   for (std::size_t b = 0; b < branches.size(); ++b) {
     branches[b].id = id_of[b];
     branches[b].name = id_of[b] == 0 ? "main" : "side" + std::to_string(id_of[b]);
   }
-  std::vector<int> place(branches.size());
+  std::vector<int> new_index(branches.size());
   for (std::size_t b = 0; b < branches.size(); ++b)
-    place[b] = static_cast<int>(std::count_if(id_of.begin(), id_of.end(), [&](int other) { return other < id_of[b]; }));
+    new_index[b] =
+        static_cast<int>(std::count_if(id_of.begin(), id_of.end(), [&](int other) { return other < id_of[b]; }));
   for (Branch& branch : branches)
     if (branch.parent >= 0)
-      branch.parent = place[static_cast<std::size_t>(branch.parent)];
+      branch.parent = new_index[static_cast<std::size_t>(branch.parent)];
   std::sort(branches.begin(), branches.end(), [](const Branch& a, const Branch& b) { return a.id < b.id; });
 }
 
@@ -229,10 +230,10 @@ std::vector<Branch> build_tree(const std::vector<Path>& paths, std::vector<End>&
       return wanted[a] == 0 && wanted[b] != 0;
     return arc_length(paths[a].points) > arc_length(paths[b].points);
   });
-  Builder builder{paths, ends, ends[inlet], wall, step, {}, {}};
+  TreeBuilder builder{paths, ends, ends[inlet], wall, step, {}, {}};
   builder.add_main(order.front());
   for (std::size_t k = 1; k < order.size(); ++k)
-    builder.add_side(order[k]);
+    builder.add_side_branch(order[k]);
 
   std::vector<Branch> branches = std::move(builder.branches);
   std::vector<int> id_of(branches.size(), 0);
@@ -242,7 +243,7 @@ std::vector<Branch> build_tree(const std::vector<Path>& paths, std::vector<End>&
                    [&](std::size_t a, std::size_t b) { return builder.from_inlet[a] < builder.from_inlet[b]; });
   for (std::size_t r = 0; r < rank.size(); ++r)
     id_of[rank[r]] = wanted.empty() ? static_cast<int>(r) : wanted[branches[rank[r]].end];
-  rename(branches, id_of);
+  renumber(branches, id_of);
 
   ends[inlet].name = "inlet";
   ends[inlet].inlet = true;

@@ -7,26 +7,26 @@ namespace anatomy {
 namespace {
 
 // Largest number of balls compared on each side of a gap. Balls lie densely, so a sample of them finds the gap.
-constexpr std::size_t most_compared = 3000;
+constexpr std::size_t most_compared_balls = 3000;
 
 // The middle (mm) of the smallest gap between balls that are connected to the inlet and balls that are connected to the
 // ball `end`.
-Vec3 narrowest_gap(const Balls& balls, const Ways& from_inlet, std::size_t end) {
-  const Ways from_end = cheapest_ways(balls, end);
-  std::vector<Vec3> here, beyond;
+Vec3 narrowest_gap(const Balls& balls, const ShortestPaths& from_inlet, std::size_t end) {
+  const ShortestPaths from_end = cheapest_paths(balls, end);
+  std::vector<Vec3> near_inlet, near_end;
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
     if (from_inlet.cost[i] < unreached)
-      here.push_back(balls.centre[i]);
+      near_inlet.push_back(balls.centre[i]);
     else if (from_end.cost[i] < unreached)
-      beyond.push_back(balls.centre[i]);
-  const auto step = [](const std::vector<Vec3>& x) { return x.size() / most_compared + 1; };
+      near_end.push_back(balls.centre[i]);
+  const auto step = [](const std::vector<Vec3>& x) { return x.size() / most_compared_balls + 1; };
   double nearest = unreached;
   Vec3 place = balls.centre[end];
-  for (std::size_t i = 0; i < here.size(); i += step(here))
-    for (std::size_t j = 0; j < beyond.size(); j += step(beyond))
-      if (const double d = (here[i] - beyond[j]).squaredNorm(); d < nearest) {
+  for (std::size_t i = 0; i < near_inlet.size(); i += step(near_inlet))
+    for (std::size_t j = 0; j < near_end.size(); j += step(near_end))
+      if (const double d = (near_inlet[i] - near_end[j]).squaredNorm(); d < nearest) {
         nearest = d;
-        place = 0.5 * (here[i] + beyond[j]);
+        place = 0.5 * (near_inlet[i] + near_end[j]);
       }
   return place;
 }
@@ -35,21 +35,21 @@ Vec3 narrowest_gap(const Balls& balls, const Ways& from_inlet, std::size_t end) 
 
 std::vector<Path> voronoi_paths(const Mesh& mesh, const std::vector<End>& ends, std::size_t inlet) {
   const Balls balls = inner_balls(mesh, ends);
-  const std::size_t from = ball_at(balls, ends[inlet]);
-  const Ways ways = cheapest_ways(balls, from);
+  const std::size_t from = ball_at_end(balls, ends[inlet]);
+  const ShortestPaths cheapest = cheapest_paths(balls, from);
   std::vector<Path> paths(ends.size());
   for (std::size_t e = 0; e < ends.size(); ++e) {
     if (e == inlet)
       continue;
-    std::size_t at = ball_at(balls, ends[e]);
-    if (ways.cost[at] >= unreached)
+    std::size_t at = ball_at_end(balls, ends[e]);
+    if (cheapest.cost[at] >= unreached)
       throw common::ComputationError(
-          "no way through the lumen from the inlet to an end", "near " + place(narrowest_gap(balls, ways, at)),
-          std::to_string(balls.centre.size()) + " inscribed balls, none on the way to " + place(ends[e].centre),
+          "no way through the lumen from the inlet to an end", "near " + point_text(narrowest_gap(balls, cheapest, at)),
+          std::to_string(balls.centre.size()) + " inscribed balls, none on the way to " + point_text(ends[e].centre),
           "the lumen is closed there, or too narrow to follow: open it in the segmentation, or leave what lies behind "
           "it "
           "away by --cut x,y,z before that place");
-    for (; at != from; at = ways.before[at]) {
+    for (; at != from; at = cheapest.previous[at]) {
       paths[e].points.push_back(balls.centre[at]);
       paths[e].radius.push_back(balls.radius[at]);
     }

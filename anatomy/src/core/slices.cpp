@@ -50,8 +50,8 @@ std::vector<Vec3> Slices::loop_around(const PlaneFrame& frame) const {
   return best;
 }
 
-Outline Slices::outline(const PlaneFrame& frame) const {
-  Outline out;
+SectionSize Slices::section_size(const PlaneFrame& frame) const {
+  SectionSize out;
   std::vector<Vec2> loop;
   for (const Vec3& p : loop_around(frame)) {
     loop.push_back(frame.plane(p));

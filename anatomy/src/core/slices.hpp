@@ -23,7 +23,7 @@ double signed_area(const std::vector<Vec2>& loop);
 
 /// The size of a section: its area (mm2), and its reach (mm), the distance from the frame's origin to the farthest
 /// point. Both are 0 if no loop surrounds the origin.
-struct Outline {
+struct SectionSize {
   double area = 0, reach = 0;
 };
 
@@ -35,7 +35,7 @@ public:
   /// one with the smallest area; if there is none, it is empty.
   std::vector<Vec3> loop_around(const PlaneFrame& frame) const;
   /// Area and reach of the loop that loop_around returns.
-  Outline outline(const PlaneFrame& frame) const;
+  SectionSize section_size(const PlaneFrame& frame) const;
 
 private:
   using EdgePrimitive = CGAL::AABB_halfedge_graph_segment_primitive<Mesh>;

@@ -73,7 +73,7 @@ inline RegionMap region_map(const Mesh& mesh) {
 }
 
 /// The point p as text for messages: "(x, y, z) mm".
-inline std::string place(const Vec3& p) {
+inline std::string point_text(const Vec3& p) {
   char text[96];
   std::snprintf(text, sizeof text, "(%.2f, %.2f, %.2f) mm", p.x(), p.y(), p.z());
   return text;

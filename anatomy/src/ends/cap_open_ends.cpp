@@ -10,10 +10,10 @@ namespace {
 
 using common::InputError;
 
-constexpr double names_it = 3; // radii of an opening: a point nearer to its centre names it
+constexpr double opening_naming_radii = 3; // radii of an opening: a point nearer to its centre names it
 
 // Moves the loop's corners onto its plane; returns the largest move in mm.
-double onto_plane(Mesh& mesh, const Loop& loop) {
+double move_onto_plane(Mesh& mesh, const Loop& loop) {
   double farthest = 0;
   for (Vertex v : CGAL::vertices_around_face(loop.halfedge, mesh)) {
     const Vec3 p = vec(mesh.point(v));
@@ -25,7 +25,7 @@ double onto_plane(Mesh& mesh, const Loop& loop) {
 }
 
 // 1 if the faces' normals point outward, -1 if inward. It is the sign of the volume, with each opening closed by a fan.
-double sense_of(const Mesh& mesh, const std::vector<Loop>& loops) {
+double normal_sense(const Mesh& mesh, const std::vector<Loop>& loops) {
   double volume = 0;
   for (Face f : mesh.faces())
     volume += area_vector(mesh, f).dot(centroid(mesh, f)) / 3;
@@ -45,14 +45,14 @@ Vec3 innermost(const Mesh& mesh, const Loop& loop, const Vec3& inward) {
 
 // Whether one of the points (mm) is near enough to the opening to name it.
 bool is_named(const Loop& loop, const std::vector<Vec3>& named) {
-  const double reach = names_it * std::sqrt(loop.area / M_PI);
+  const double reach = opening_naming_radii * std::sqrt(loop.area / M_PI);
   return std::any_of(named.begin(), named.end(), [&](const Vec3& p) { return (p - loop.centre).norm() < reach; });
 }
 
 // Radius (mm) of the largest ball in the vessel behind the opening.
-double ball_behind(const Mesh& mesh, const Tubes& tubes, double sense, const Loop& loop) {
+double ball_behind(const Mesh& mesh, const VesselProbe& probe, double sense, const Loop& loop) {
   const Vec3 inward = -sense * loop.normal;
-  return tubes.ball(innermost(mesh, loop, inward), inward);
+  return probe.ball_radius(innermost(mesh, loop, inward), inward);
 }
 
 // Whether the opening is too narrow for an end of a vessel that holds a ball of this radius (mm).
@@ -62,10 +62,10 @@ bool is_narrower(const Loop& loop, double ball) {
 
 } // namespace
 
-IsGivenEnd named_by(std::vector<Vec3> points) {
+IsGivenEnd ends_at_points(std::vector<Vec3> points) {
   return [points = std::move(points)](const Mesh& mesh, const Loop& loop) {
     return is_named(loop, points) &&
-           !is_narrower(loop, ball_behind(mesh, Tubes(mesh), sense_of(mesh, boundary_loops(mesh)), loop));
+           !is_narrower(loop, ball_behind(mesh, VesselProbe(mesh), normal_sense(mesh, boundary_loops(mesh)), loop));
   };
 }
 
@@ -73,24 +73,24 @@ void fill_tears(Mesh& mesh, const std::vector<Vec3>& named, std::vector<Repair>&
   const std::vector<Loop> loops = boundary_loops(mesh);
   if (loops.empty())
     return;
-  const double sense = sense_of(mesh, loops);
+  const double sense = normal_sense(mesh, loops);
   std::vector<std::pair<Loop, double>> tears;
   {
-    const Tubes tubes(mesh);
+    const VesselProbe probe(mesh);
     for (const Loop& loop : loops)
       if (!is_named(loop, named))
-        if (const double ball = ball_behind(mesh, tubes, sense, loop); is_narrower(loop, ball))
+        if (const double ball = ball_behind(mesh, probe, sense, loop); is_narrower(loop, ball))
           tears.emplace_back(loop, ball);
   }
   for (const auto& [loop, ball] : tears) {
-    if (filled(mesh, loop.halfedge).empty())
-      throw InputError("a hole in the wall cannot be filled", place(loop.centre),
+    if (fill_hole(mesh, loop.halfedge).empty())
+      throw InputError("a hole in the wall cannot be filled", point_text(loop.centre),
                        std::to_string(loop.halfedges) + " edges round it", "repair the surface there");
     char detail[200];
     std::snprintf(detail, sizeof detail,
                   "%zu edges at %s, diameter %.2f mm, the vessel behind it %.2f mm; if a vessel ends there, name it by "
                   "--inlet or --outlet",
-                  loop.halfedges, place(loop.centre).c_str(), 2 * std::sqrt(loop.area / M_PI), 2 * ball);
+                  loop.halfedges, point_text(loop.centre).c_str(), 2 * std::sqrt(loop.area / M_PI), 2 * ball);
     repairs.push_back({"opening taken for a tear in the wall", 1, detail, true});
   }
   mesh.collect_garbage();
@@ -104,10 +104,10 @@ std::vector<OpenEnd> cap_open_ends(Mesh& mesh, std::vector<Repair>& repairs) {
     next = std::max(next, region[f]);
   for (const Loop& loop : boundary_loops(mesh)) {
     OpenEnd end = open_end(mesh, loop);
-    const double farthest = end.ragged ? 0 : onto_plane(mesh, loop);
-    const std::vector<Face> faces = end.ragged ? closed_as_it_is(mesh, loop, end) : capped(mesh, loop);
+    const double farthest = end.ragged ? 0 : move_onto_plane(mesh, loop);
+    const std::vector<Face> faces = end.ragged ? close_unflattened(mesh, loop, end) : cap_loop(mesh, loop);
     if (faces.empty())
-      throw InputError("an open end cannot be closed", place(loop.centre),
+      throw InputError("an open end cannot be closed", point_text(loop.centre),
                        std::to_string(loop.halfedges) + " edges round it", cut_remedy);
     if (!end.ragged) {
       end.tag = ++next;
@@ -115,7 +115,7 @@ std::vector<OpenEnd> cap_open_ends(Mesh& mesh, std::vector<Repair>& repairs) {
         region[f] = next;
       char detail[128];
       std::snprintf(detail, sizeof detail, "radius %.3f mm at %s, rim moved %.4f mm", std::sqrt(loop.area / M_PI),
-                    place(loop.centre).c_str(), farthest);
+                    point_text(loop.centre).c_str(), farthest);
       repairs.push_back({"open end capped", 1, detail});
     }
     open.push_back(end);

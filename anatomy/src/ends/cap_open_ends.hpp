@@ -9,7 +9,7 @@ namespace anatomy {
 /// Returns a test whether a loop is an end that one of the points (mm) names. The point must be within three radii of
 /// the loop's centre. The loop must also be at least `least_width` (evidence.hpp) of the vessel behind it. So the mouth
 /// of a funnel, whose lip lies in the plane of its rim, is an end. A hole in a closed end is none.
-IsGivenEnd named_by(std::vector<Vec3> points);
+IsGivenEnd ends_at_points(std::vector<Vec3> points);
 
 /// Fills every opening that is narrower than the fraction `least_width` (evidence.hpp) of the vessel behind it. Each
 /// gives a warning in `repairs`. The same fraction tells a flat end of a closed surface from its wall. An opening

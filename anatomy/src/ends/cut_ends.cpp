@@ -1,5 +1,5 @@
 #include "ends/cut_ends.hpp"
-#include "centreline/ball_way.hpp"
+#include "centreline/ball_path.hpp"
 #include "common/error.hpp"
 #include "core/measures.hpp"
 #include "core/slices.hpp"
@@ -14,33 +14,33 @@ using common::InputError;
 
 constexpr double least_prominence = 2; // mean radii: a tip of less prominence is a stub without an end of its own
 // Least prominence of a vessel with an end, in radii of its last ball. A sac, which is as wide as it is long, has less.
-constexpr double least_own = 3;
+constexpr double least_ball_prominence = 3;
 // Radii from the last ball's centre to the first plane that is tried, and from a plane to the section it is compared
 // with. A first plane that is tilted by 26 degrees still meets the wall behind the centre.
-constexpr double behind_last_ball = 0.5;
-constexpr double next_plane = 0.25; // radii between planes that are tried
+constexpr double behind_ball_radii = 0.5;
+constexpr double plane_step_radii = 0.25; // radii between planes that are tried
 // Ratio of the balls' radii over one radius of the axis. Where it is larger, the tip still tapers, and no cut is made.
-constexpr double still_widening = 1.15;
+constexpr double tip_taper_ratio = 1.15;
 // Largest ratio of the areas of two sections, half a radius apart, that count as alike: a taper of 12 degrees on each
 // side.
-constexpr double like_section = 1.25;
+constexpr double similar_area_ratio = 1.25;
 // Radii of an end: a tip less than this beyond the rim's farthest point belongs to the rim.
-constexpr double beside_end = 0.4;
+constexpr double rim_margin_radii = 0.4;
 // Radii of a ball: it counts as near to the tip if it is farther from the tip than the nearest ball by less than this.
-constexpr double about_as_near = 0.1;
+constexpr double equal_gap_radii = 0.1;
 // Radii of a ball: largest distance of its surface from the tip. At the rim of a flat end the distance is 0.41.
-constexpr double still_at_tip = 1;
+constexpr double tip_reach_radii = 1;
 // Mean radii: first limit of the edges' length, halved until the inscribed balls connect all tips.
-constexpr double longest_edge = 0.3;
-constexpr double finest_edge = 0.075; // mean radii: smallest limit of the edges' length that is tried
+constexpr double first_edge_limit = 0.3;
+constexpr double finest_edge_limit = 0.075; // mean radii: smallest limit of the edges' length that is tried
 // Radii of a tip's ball: if its neighbours lead this far from the tip, the vessel goes on there.
-constexpr double beyond_tip = 2;
+constexpr double continuation_radii = 2;
 // Length of vessel (mm): a cut that loses more gives a warning, since an ostial lesion lies within 3 mm of the ostium.
-constexpr double much_lost = 2;
-constexpr double naming_reach = 3; // radii of the vessel: largest distance from a point of --cut to the axis
+constexpr double most_unwarned_loss = 2;
+constexpr double cut_naming_radii = 3; // radii of the vessel: largest distance from a point of --cut to the axis
 // Radii of the cuts: tips whose cuts are nearer to each other are one end. A dome wider than the mean vessel may have
 // two tips.
-constexpr double same_cut = 0.5;
+constexpr double same_cut_radii = 0.5;
 
 // An end and the distance from its centre within which a tip is part of the end's rim.
 struct EndReach {
@@ -48,7 +48,7 @@ struct EndReach {
   double reach; // mm: a little more than to the cap's farthest vertex, which in an oval is well beyond the radius
 };
 
-std::vector<EndReach> reaches_of(const Mesh& mesh, const std::vector<End>& ends) {
+std::vector<EndReach> end_reaches(const Mesh& mesh, const std::vector<End>& ends) {
   std::map<int, EndReach> found;
   for (const End& end : ends)
     found[end.region] = {&end, 0};
@@ -59,7 +59,7 @@ std::vector<EndReach> reaches_of(const Mesh& mesh, const std::vector<End>& ends)
         it->second.reach = std::max(it->second.reach, (vec(mesh.point(v)) - it->second.end->centre).norm());
   std::vector<EndReach> reaches;
   for (const auto& [tag, at] : found)
-    reaches.push_back({at.end, at.reach + beside_end * at.end->radius()});
+    reaches.push_back({at.end, at.reach + rim_margin_radii * at.end->radius()});
   return reaches;
 }
 
@@ -72,7 +72,7 @@ const End* end_at(const Vec3& p, const std::vector<EndReach>& reaches) {
 }
 
 // Distance between a ball's surface and p, in radii of the ball.
-double gap(const Vec3& p, const Balls& balls, std::size_t i) {
+double gap_in_radii(const Vec3& p, const Balls& balls, std::size_t i) {
   return std::abs((balls.centre[i] - p).norm() - balls.radius[i]) / balls.radius[i];
 }
 
@@ -81,13 +81,13 @@ double gap(const Vec3& p, const Balls& balls, std::size_t i) {
 std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
   std::vector<std::size_t> touching;
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
-    if (gap(p, balls, i) < near)
+    if (gap_in_radii(p, balls, i) < near)
       touching.push_back(i);
   std::stable_sort(touching.begin(), touching.end(),
                    [&](std::size_t a, std::size_t b) { return balls.radius[a] > balls.radius[b]; });
   std::vector<bool> seen(balls.centre.size(), false);
   for (std::size_t i : touching)
-    if (leads_away(balls, i, p, beyond_tip * balls.radius[i], seen))
+    if (leads_away(balls, i, p, continuation_radii * balls.radius[i], seen))
       return i;
   return balls.centre.size();
 }
@@ -96,10 +96,10 @@ std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
 std::vector<std::size_t> nearest_balls(const Vec3& p, const Balls& balls) {
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
-    if (gap(p, balls, i) < still_at_tip)
+    if (gap_in_radii(p, balls, i) < tip_reach_radii)
       found.push_back(i);
   std::stable_sort(found.begin(), found.end(),
-                   [&](std::size_t a, std::size_t b) { return gap(p, balls, a) < gap(p, balls, b); });
+                   [&](std::size_t a, std::size_t b) { return gap_in_radii(p, balls, a) < gap_in_radii(p, balls, b); });
   return found;
 }
 
@@ -114,14 +114,14 @@ std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
   const std::vector<std::size_t> nearest = nearest_balls(p, balls);
   if (nearest.empty())
     throw InputError(
-        "no axis found at a rounded end", place(p), "no inscribed ball",
+        "no axis found at a rounded end", point_text(p), "no inscribed ball",
         "cut the end flat, or leave it open; if it is open with a lip, cut the vessel behind the lip by --cut");
   std::vector<bool> seen(balls.centre.size(), false);
   for (std::size_t i : nearest)
-    if (leads_away(balls, i, p, beyond_tip * balls.radius[i], seen)) {
+    if (leads_away(balls, i, p, continuation_radii * balls.radius[i], seen)) {
       // A larger ball is used only if it leads away from the tip, too. If its search fails after visiting ball i, no
       // ball is returned, and i is used.
-      const std::size_t largest = largest_ball_at(p, balls, gap(p, balls, i) + about_as_near);
+      const std::size_t largest = largest_ball_at(p, balls, gap_in_radii(p, balls, i) + equal_gap_radii);
       return largest < balls.centre.size() ? largest : i;
     }
   return nearest.front();
@@ -130,30 +130,30 @@ std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
 // The inscribed ball at a tip: the end's ball if an end lies there, else the last ball of the vessel.
 std::size_t ball_of(const Mesh& mesh, const Balls& balls, const std::vector<EndReach>& reaches, Vertex tip) {
   const End* end = end_at(vec(mesh.point(tip)), reaches);
-  return end ? ball_at(balls, *end) : last_ball(mesh, balls, tip);
+  return end ? ball_at_end(balls, *end) : last_ball(mesh, balls, tip);
 }
 
-Plane plane_across(const Mesh& mesh, const BallWay& way, double where) {
-  return {way.centre(where), direction_of(mesh, way, where), way.radius[way.at(where)]};
+Plane plane_across(const Mesh& mesh, const BallPath& path, double where) {
+  return {path.centre(where), vessel_direction(mesh, path, where), path.radius[path.index_at(where)]};
 }
 
 // The first plane across the vessel with a section like the section half a radius further in. It is at least half a
 // radius behind the last ball, and its cutting square covers the section. If no plane fits, the last one tried before
 // the middle of the path is returned, or the middle if none was tried.
-Plane cut_plane(const Mesh& mesh, const Slices& slices, const BallWay& way) {
-  Plane plane = plane_across(mesh, way, 0.5 * way.length());
-  for (double where = behind_last_ball * way.radius.front(); where < 0.5 * way.length();
-       where += next_plane * way.radius[way.at(where)]) {
-    const double ball = way.radius[way.at(where)];
-    if (way.radius[way.at(where + ball)] > still_widening * ball)
+Plane cut_plane(const Mesh& mesh, const Slices& slices, const BallPath& path) {
+  Plane plane = plane_across(mesh, path, 0.5 * path.length());
+  for (double where = behind_ball_radii * path.radius.front(); where < 0.5 * path.length();
+       where += plane_step_radii * path.radius[path.index_at(where)]) {
+    const double ball = path.radius[path.index_at(where)];
+    if (path.radius[path.index_at(where + ball)] > tip_taper_ratio * ball)
       continue;
-    plane = plane_across(mesh, way, where);
-    const Outline here = slices.outline({plane.centre, plane.normal});
+    plane = plane_across(mesh, path, where);
+    const SectionSize here = slices.section_size({plane.centre, plane.normal});
     Plane further = plane;
-    further.centre += behind_last_ball * std::sqrt(here.area / M_PI) * plane.normal;
-    const double area = slices.outline({further.centre, further.normal}).area;
-    if (here.area > 0 && area > here.area / like_section && area < here.area * like_section) {
-      plane.radius = std::max(plane.radius, section_cover * here.reach / half_width);
+    further.centre += behind_ball_radii * std::sqrt(here.area / M_PI) * plane.normal;
+    const double area = slices.section_size({further.centre, further.normal}).area;
+    if (here.area > 0 && area > here.area / similar_area_ratio && area < here.area * similar_area_ratio) {
+      plane.radius = std::max(plane.radius, section_cover * here.reach / square_half_width);
       return plane;
     }
   }
@@ -163,7 +163,7 @@ Plane cut_plane(const Mesh& mesh, const Slices& slices, const BallWay& way) {
 // A copy of the surface with no wall edge longer than `longest` (mm). Where vessels meet on a coarse surface, a vertex
 // normal fits none of the vessels, and the inscribed balls of such vertices are not neighbours. More vertices connect
 // the balls. The mesh's vertices keep their numbers.
-Mesh sampled(const Mesh& mesh, double longest) {
+Mesh with_short_edges(const Mesh& mesh, double longest) {
   Mesh out = mesh;
   const RegionMap region = region_map(out);
   std::vector<Edge> wall;
@@ -192,31 +192,32 @@ std::vector<Tip> tips_from_both(const Mesh& mesh, double prominence, double apar
 }
 
 // Whether the planes of two tips make about the same cut.
-bool cut_alike(const Plane& a, const Plane& b) {
-  return (a.centre - b.centre).norm() < same_cut * std::max(a.radius, b.radius) && a.normal.dot(b.normal) > 0;
+bool make_same_cut(const Plane& a, const Plane& b) {
+  return (a.centre - b.centre).norm() < same_cut_radii * std::max(a.radius, b.radius) && a.normal.dot(b.normal) > 0;
 }
 
 // The inscribed balls of a surface, and the index of each tip's ball.
 struct TipBalls {
   Balls balls;
-  std::vector<std::size_t> at;
+  std::vector<std::size_t> tip_ball;
 };
 
 // Whether chains of neighbouring balls connect the first tip's ball with the ball of every other tip.
-bool hang_together(const TipBalls& tips) {
-  const Ways ways = cheapest_ways(tips.balls, tips.at.front());
-  return std::all_of(tips.at.begin(), tips.at.end(), [&](std::size_t ball) { return ways.cost[ball] < unreached; });
+bool are_connected(const TipBalls& tips) {
+  const ShortestPaths cheapest = cheapest_paths(tips.balls, tips.tip_ball.front());
+  return std::all_of(tips.tip_ball.begin(), tips.tip_ball.end(),
+                     [&](std::size_t ball) { return cheapest.cost[ball] < unreached; });
 }
 
 // The inscribed balls of the surface and each tip's ball. The wall's edges are split more finely until the balls
-// connect all tips, or down to finest_edge.
+// connect all tips, or down to finest_edge_limit.
 TipBalls balls_of_tips(const Mesh& mesh, const std::vector<End>& ends, const std::vector<EndReach>& reaches,
                        const std::vector<Tip>& tips) {
-  for (double longest = longest_edge;; longest /= 2) {
-    TipBalls found{inner_balls(sampled(mesh, longest * mean_radius(mesh)), ends), {}};
+  for (double longest = first_edge_limit;; longest /= 2) {
+    TipBalls found{inner_balls(with_short_edges(mesh, longest * mean_radius(mesh)), ends), {}};
     for (const Tip& tip : tips)
-      found.at.push_back(ball_of(mesh, found.balls, reaches, tip.vertex));
-    if (longest < 2 * finest_edge || hang_together(found))
+      found.tip_ball.push_back(ball_of(mesh, found.balls, reaches, tip.vertex));
+    if (longest < 2 * finest_edge_limit || are_connected(found))
       return found;
   }
 }
@@ -228,7 +229,7 @@ std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& e
   const double mean = mean_radius(mesh);
   const std::vector<Tip> tips =
       from_both ? tips_from_both(mesh, prominence * mean, mean) : tips_of(mesh, prominence * mean);
-  const std::vector<EndReach> reaches = reaches_of(mesh, ends);
+  const std::vector<EndReach> reaches = end_reaches(mesh, ends);
   const auto is_rounded = [&](const Tip& tip) { return !end_at(vec(mesh.point(tip.vertex)), reaches); };
   if (tips.size() < 2 || std::none_of(tips.begin(), tips.end(), is_rounded))
     return {};
@@ -239,24 +240,25 @@ std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& e
     const Tip& tip = tips[t];
     if (!is_rounded(tip))
       continue;
-    const BallWay way(found.balls, cheapest_ways(found.balls, found.at[t == 0 ? 1 : 0]), found.at[t]);
-    RoundedEnd end{tip.vertex,
-                   vec(mesh.point(tip.vertex)),
-                   cut_plane(mesh, slices, way),
-                   way.radius.front(),
-                   *std::max_element(way.radius.begin(),
-                                     way.radius.begin() + static_cast<std::ptrdiff_t>(way.at(tip.prominence / 2)) + 1),
-                   tip.prominence,
-                   way.points.size() > 1,
-                   ""};
+    const BallPath path(found.balls, cheapest_paths(found.balls, found.tip_ball[t == 0 ? 1 : 0]), found.tip_ball[t]);
+    RoundedEnd end{
+        tip.vertex,
+        vec(mesh.point(tip.vertex)),
+        cut_plane(mesh, slices, path),
+        path.radius.front(),
+        *std::max_element(path.radius.begin(),
+                          path.radius.begin() + static_cast<std::ptrdiff_t>(path.index_at(tip.prominence / 2)) + 1),
+        tip.prominence,
+        path.points.size() > 1,
+        ""};
     char why[160] = "";
-    if (way.length() < way.radius.front()) // a surface like a sphere has tips but no vessel between them
-      std::snprintf(why, sizeof why, "its axis is %.2f mm long, less than its radius", way.length());
-    else if (tip.prominence < std::max(least_prominence * mean, least_own * way.radius.front()))
+    if (path.length() < path.radius.front()) // a surface like a sphere has tips but no vessel between them
+      std::snprintf(why, sizeof why, "its axis is %.2f mm long, less than its radius", path.length());
+    else if (tip.prominence < std::max(least_prominence * mean, least_ball_prominence * path.radius.front()))
       std::snprintf(why, sizeof why, "it stands out by %.2f mm only: a stub", tip.prominence);
-    end.why_short = why;
+    end.too_short_reason = why;
     if (std::none_of(rounded.begin(), rounded.end(),
-                     [&](const RoundedEnd& before) { return cut_alike(before.plane, end.plane); }))
+                     [&](const RoundedEnd& before) { return make_same_cut(before.plane, end.plane); }))
       rounded.push_back(end);
   }
   return rounded;
@@ -264,48 +266,50 @@ std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& e
 
 std::vector<Tip> tips_beside_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence) {
   std::vector<Tip> tips = tips_from_both(mesh, prominence, mean_radius(mesh));
-  const std::vector<EndReach> reaches = reaches_of(mesh, ends);
+  const std::vector<EndReach> reaches = end_reaches(mesh, ends);
   std::erase_if(tips, [&](const Tip& tip) { return end_at(vec(mesh.point(tip.vertex)), reaches) != nullptr; });
   return tips;
 }
 
 void cut_rounded(Mesh& mesh, const RoundedEnd& end, std::vector<Repair>& repairs) {
-  const double along = end.plane.normal.dot(end.plane.centre - end.at);
-  report_cut(repairs, "rounded end cut flat", end.plane,
-             cut(mesh, end.plane, end.tip, "cut the end flat or leave it open, or cut the vessel there by --cut"));
-  char more[48];
-  std::snprintf(more, sizeof more, ", %.1f mm of the vessel", along);
-  repairs.back().detail += more;
-  repairs.back().warning = along > much_lost;
+  const double lost_length = end.plane.normal.dot(end.plane.centre - end.position);
+  report_cut(
+      repairs, "rounded end cut flat", end.plane,
+      cut_at_plane(mesh, end.plane, end.tip, "cut the end flat or leave it open, or cut the vessel there by --cut"));
+  char suffix[48];
+  std::snprintf(suffix, sizeof suffix, ", %.1f mm of the vessel", lost_length);
+  repairs.back().detail += suffix;
+  repairs.back().warning = lost_length > most_unwarned_loss;
 }
 
 void cut_across(Mesh& mesh, const Mesh& tagged, const std::vector<End>& ends, const std::vector<Vec3>& points,
                 std::vector<Repair>& repairs) {
   const std::vector<Tip> tips = tips_of(tagged, least_prominence * mean_radius(tagged));
   const Balls balls = inner_balls(tagged, ends);
-  const std::vector<EndReach> reaches = reaches_of(tagged, ends);
-  std::vector<BallWay> ways;
+  const std::vector<EndReach> reaches = end_reaches(tagged, ends);
+  std::vector<BallPath> paths;
   if (tips.size() >= 2) {
-    const Ways from_tip = cheapest_ways(balls, ball_of(tagged, balls, reaches, tips[0].vertex));
+    const ShortestPaths from_tip = cheapest_paths(balls, ball_of(tagged, balls, reaches, tips[0].vertex));
     for (std::size_t t = 1; t < tips.size(); ++t)
-      ways.emplace_back(balls, from_tip, ball_of(tagged, balls, reaches, tips[t].vertex));
+      paths.emplace_back(balls, from_tip, ball_of(tagged, balls, reaches, tips[t].vertex));
   }
   for (const Vec3& p : points) {
-    const BallWay* nearest = nullptr;
+    const BallPath* nearest = nullptr;
     std::size_t at = 0;
     double least = 1e300;
-    for (const BallWay& way : ways)
-      for (std::size_t i = 0; i < way.points.size(); ++i)
-        if ((way.points[i] - p).norm() < least) {
-          least = (way.points[i] - p).norm();
-          nearest = &way;
+    for (const BallPath& path : paths)
+      for (std::size_t i = 0; i < path.points.size(); ++i)
+        if ((path.points[i] - p).norm() < least) {
+          least = (path.points[i] - p).norm();
+          nearest = &path;
           at = i;
         }
-    if (!nearest || least > naming_reach * nearest->radius[at])
-      throw InputError("no vessel near the point to cut at", "--cut", place(p), "give a point on the vessel's axis");
+    if (!nearest || least > cut_naming_radii * nearest->radius[at])
+      throw InputError("no vessel near the point to cut at", "--cut", point_text(p),
+                       "give a point on the vessel's axis");
     const Plane plane = plane_across(tagged, *nearest, nearest->s[at]);
     report_cut(repairs, "vessel cut across", plane,
-               cut(mesh, plane, Mesh::null_vertex(), "give a point where the vessel is round and alone"));
+               cut_at_plane(mesh, plane, Mesh::null_vertex(), "give a point where the vessel is round and alone"));
   }
   mesh.collect_garbage();
 }

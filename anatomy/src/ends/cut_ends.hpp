@@ -8,14 +8,14 @@ namespace anatomy {
 /// The tip of a vessel that has no flat cap, and the plane that cuts the vessel flat behind the tip.
 struct RoundedEnd {
   Vertex tip;
-  Vec3 at;           ///< mm, position of the tip
+  Vec3 position;     ///< mm, position of the tip
   Plane plane;       ///< of the cut: across the axis behind the last ball, where the section's area changes little
   double radius = 0; ///< mm, of the last inscribed ball before the tip
   /// mm, radius of the largest ball within half the prominence of the last ball. Balls at a rough tip are too small.
-  double widest = 0;
-  double prominence = 0; ///< mm along the surface, as in Tip (repair/tips.hpp)
-  bool reached = true;   ///< whether a path through inscribed balls leads from another tip to this one
-  std::string why_short; ///< why the vessel is too short to have an end; empty if it is long enough
+  double widest_ball = 0;
+  double prominence = 0;        ///< mm along the surface, as in Tip (repair/tips.hpp)
+  bool is_reachable = true;     ///< whether a path through inscribed balls leads from another tip to this one
+  std::string too_short_reason; ///< why the vessel is too short to have an end; empty if it is long enough
 };
 
 /// Returns the tips whose prominence is at least `prominence` mean radii and that lie at none of the tagged `ends`. The

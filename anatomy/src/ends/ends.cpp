@@ -23,7 +23,7 @@ std::set<Vertex> vertices_of(const Mesh& mesh, const std::vector<Face>& faces) {
   return vertices;
 }
 
-End measured(const Mesh& mesh, const std::vector<Face>& faces) {
+End measure_end(const Mesh& mesh, const std::vector<Face>& faces) {
   End end;
   Vec3 total = Vec3::Zero();
   double weight = 0;
@@ -70,26 +70,26 @@ void tag_from_soup(Mesh& mesh, const Soup& soup) {
   }
 }
 
-void drop_scraps_of_caps(Mesh& mesh, const std::set<int>& single, std::vector<Repair>& repairs) {
+void drop_scraps_of_caps(Mesh& mesh, const std::set<int>& single_cap_tags, std::vector<Repair>& repairs) {
   RegionMap region = region_map(mesh);
   const auto patches = cap_patches(mesh);
   std::map<int, double> largest;
   for (const auto& [id, faces] : patches)
-    largest[region[faces[0]]] = std::max(largest[region[faces[0]]], measured(mesh, faces).area);
+    largest[region[faces[0]]] = std::max(largest[region[faces[0]]], measure_end(mesh, faces).area);
   for (const auto& [id, faces] : patches)
-    if (const End end = measured(mesh, faces);
+    if (const End end = measure_end(mesh, faces);
         end.area < largest[region[faces[0]]] && // projected area, since scraps are crumpled
-        (end.radius() < smallest_end || single.contains(region[faces[0]]))) {
-      repairs.push_back({"scrap of a cap taken as wall", faces.size(), "at " + place(centroid(mesh, faces[0]))});
+        (end.radius() < smallest_end || single_cap_tags.contains(region[faces[0]]))) {
+      repairs.push_back({"scrap of a cap taken as wall", faces.size(), "at " + point_text(centroid(mesh, faces[0]))});
       for (Face f : faces)
         region[f] = 0;
     }
 }
 
-Move flatten_caps(Mesh& mesh) {
-  Move largest;
+CapMove flatten_caps(Mesh& mesh) {
+  CapMove largest;
   for (const auto& [id, faces] : tagged_faces(mesh)) {
-    const End end = measured(mesh, faces);
+    const End end = measure_end(mesh, faces);
     for (Vertex v : vertices_of(mesh, faces)) {
       const Vec3 p = vec(mesh.point(v));
       const double off = end.normal.dot(Vec3(p - end.centre));
@@ -97,18 +97,18 @@ Move flatten_caps(Mesh& mesh) {
       largest.share = std::max(largest.share, std::abs(off) / end.radius());
       if (std::abs(off) > largest.distance) {
         largest.distance = std::abs(off);
-        largest.to = vec(mesh.point(v));
+        largest.moved_to = vec(mesh.point(v));
       }
     }
   }
   return largest;
 }
 
-std::vector<End> measured_ends(Mesh& mesh) {
+std::vector<End> measure_ends(Mesh& mesh) {
   RegionMap region = region_map(mesh);
   std::vector<std::pair<End, std::vector<Face>>> found;
   for (const auto& [id, faces] : cap_patches(mesh))
-    found.emplace_back(measured(mesh, faces), faces);
+    found.emplace_back(measure_end(mesh, faces), faces);
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first.area > b.first.area; });
   std::vector<End> ends;

@@ -10,20 +10,20 @@ void tag_from_soup(Mesh& mesh, const Soup& soup);
 
 /// Tags scraps of caps as wall. The removal of self-intersections leaves such scraps beside a rim. A scrap is not
 /// connected to a larger cap of the same tag, and its radius is below smallest_end (repair/loops.hpp). Of a tag in
-/// `single` only the largest connected cap is kept, whatever the radius of the others.
-void drop_scraps_of_caps(Mesh& mesh, const std::set<int>& single, std::vector<Repair>& repairs);
+/// `single_cap_tags` only the largest connected cap is kept, whatever the radius of the others.
+void drop_scraps_of_caps(Mesh& mesh, const std::set<int>& single_cap_tags, std::vector<Repair>& repairs);
 
 /// How far flatten_caps has moved vertices at most.
-struct Move {
-  double distance = 0;    ///< mm, the largest move
-  double share = 0;       ///< the largest ratio of a move to the radius of the vertex's cap, maybe of another vertex
-  Vec3 to = Vec3::Zero(); ///< mm, where the vertex with the move `distance` is afterwards
+struct CapMove {
+  double distance = 0; ///< mm, the largest move
+  double share = 0;    ///< the largest ratio of a move to the radius of the vertex's cap, maybe of another vertex
+  Vec3 moved_to = Vec3::Zero(); ///< mm, where the vertex with the move `distance` is afterwards
 };
 
 /// Moves the vertices of each tagged cap onto the cap's plane, which goes through its centroid along its mean normal.
-Move flatten_caps(Mesh& mesh);
+CapMove flatten_caps(Mesh& mesh);
 
 /// Measures the ends, one per connected cap. Retags them 1, 2, ... by decreasing area, and returns them in this order.
-std::vector<End> measured_ends(Mesh& mesh);
+std::vector<End> measure_ends(Mesh& mesh);
 
 } // namespace anatomy

@@ -12,38 +12,39 @@ using FaceTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, FacePrimitive>>;
 
 // Largest ratio between the areas of a flat part and of the section behind it: a vessel that widens or narrows by 40
 // degrees on each side.
-constexpr double largest_growth = 2;
+constexpr double largest_area_ratio = 2;
 // Largest ratio of the section's area to the part's on a rough surface, where one plane may hold only a part of a cap.
-constexpr double part_of_rough = 1.25;
-constexpr double flat_off_plane = 0.07; // largest difference in height of a flat part's vertices, over its diameter
-constexpr double cos_tilt = 0.5;        // cosine of the largest tilt, 60 degrees
+constexpr double rough_part_ratio = 1.25;
+constexpr double most_flat_height = 0.07; // largest difference in height of a flat part's vertices, over its diameter
+constexpr double cos_tilt = 0.5;          // cosine of the largest tilt, 60 degrees
 // Radii of the part, from the part to the section. An outlet cut off close to its parent is no longer than this.
-constexpr double section_depth = 0.5;
+constexpr double section_depth_radii = 0.5;
 // Radii of the part: nearer wall is left out, since a rounded rim is neither cap nor wall.
-constexpr double behind_rim = 0.25;
+constexpr double rim_depth_radii = 0.25;
 constexpr double largest_ball = 20; // mm, radius from which the ball is shrunk: wider than any aorta
-constexpr int most_steps = 40;      // largest number of times that the ball is shrunk
+constexpr int most_shrinks = 40;    // largest number of times that the ball is shrunk
 
 } // namespace
 
-struct Tubes::Trees {
+struct VesselProbe::SearchTrees {
   FaceTree faces;
   Slices slices;
-  explicit Trees(const Mesh& mesh) : faces(mesh.faces().begin(), mesh.faces().end(), mesh), slices(mesh) {}
+  explicit SearchTrees(const Mesh& mesh) : faces(mesh.faces().begin(), mesh.faces().end(), mesh), slices(mesh) {}
 };
 
-Tubes::Tubes(const Mesh& mesh) : mesh_(mesh), trees_(std::make_shared<Trees>(mesh)) {}
+VesselProbe::VesselProbe(const Mesh& mesh) : mesh_(mesh), search_trees_(std::make_shared<SearchTrees>(mesh)) {}
 
-std::string no_end_since(const PatchPlane& plane, const Evidence& evidence, bool rough) {
-  if (plane.width < least_width * 2 * evidence.ball)
+std::string no_end_reason(const PatchPlane& plane, const EndEvidence& evidence, bool rough) {
+  if (plane.width < least_width * 2 * evidence.ball_radius)
     return "a facet of the wall: narrower than the vessel behind it";
-  if (plane.highest - plane.lowest > 2 * flat_off_plane * std::sqrt(plane.area / M_PI))
+  if (plane.highest - plane.lowest > 2 * most_flat_height * std::sqrt(plane.area / M_PI))
     return "not flat";
-  if (evidence.section <= 0)
+  if (evidence.section_area <= 0)
     return "no vessel behind it";
-  if (evidence.section > largest_growth * plane.area || plane.area > largest_growth * evidence.section)
+  if (evidence.section_area > largest_area_ratio * plane.area ||
+      plane.area > largest_area_ratio * evidence.section_area)
     return "the vessel half a radius behind it is of another size";
-  if (rough && evidence.section > part_of_rough * plane.area)
+  if (rough && evidence.section_area > rough_part_ratio * plane.area)
     return "only a part of a rough end";
   if (evidence.tilt > std::acos(cos_tilt) * 180 / M_PI)
     return "along the vessel, not across it";
@@ -51,11 +52,11 @@ std::string no_end_since(const PatchPlane& plane, const Evidence& evidence, bool
 }
 
 // Shrinks a large ball until no part of the surface reaches into it.
-double Tubes::ball(const Vec3& from, const Vec3& inward) const {
+double VesselProbe::ball_radius(const Vec3& from, const Vec3& inward) const {
   double radius = largest_ball;
-  for (int step = 0; step < most_steps; ++step) {
+  for (int step = 0; step < most_shrinks; ++step) {
     const Vec3 centre = from + radius * inward;
-    const Vec3 reach = vec(trees_->faces.closest_point(point(centre))) - from;
+    const Vec3 reach = vec(search_trees_->faces.closest_point(point(centre))) - from;
     const double height = reach.dot(inward);
     if ((reach + from - centre).norm() > radius * (1 - 1e-4) || height <= 0)
       break;
@@ -64,7 +65,7 @@ double Tubes::ball(const Vec3& from, const Vec3& inward) const {
   return radius;
 }
 
-double Tubes::tilt(const std::vector<Face>& patch, const PatchPlane& plane) const {
+double VesselProbe::tilt(const std::vector<Face>& patch, const PatchPlane& plane) const {
   const double radius = std::sqrt(plane.area / M_PI);
   std::set<Face> seen(patch.begin(), patch.end());
   std::vector<Face> wall;
@@ -83,24 +84,24 @@ double Tubes::tilt(const std::vector<Face>& patch, const PatchPlane& plane) cons
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (Face f : wall)
     if (const Vec3 area = area_vector(mesh_, f);
-        area.norm() > 0 && (centroid(mesh_, f) - plane.centre).dot(plane.normal) < -behind_rim * radius)
+        area.norm() > 0 && (centroid(mesh_, f) - plane.centre).dot(plane.normal) < -rim_depth_radii * radius)
       spread += area * area.transpose() / area.norm();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
   return std::acos(std::min(1.0, std::abs(axes.eigenvectors().col(0).dot(plane.normal)))) * 180 / M_PI;
 }
 
-Evidence Tubes::evidence(const std::vector<Face>& patch, const PatchPlane& plane) const {
-  Evidence out;
+EndEvidence VesselProbe::evidence(const std::vector<Face>& patch, const PatchPlane& plane) const {
+  EndEvidence out;
   // The ball starts at the height of the innermost vertex, so that the part's own noise does not reach into it.
-  out.ball = ball(plane.centre + plane.lowest * plane.normal, -plane.normal);
-  if (plane.width < least_width * 2 * out.ball)
+  out.ball_radius = ball_radius(plane.centre + plane.lowest * plane.normal, -plane.normal);
+  if (plane.width < least_width * 2 * out.ball_radius)
     return out;
-  const double depth = section_depth * std::sqrt(plane.area / M_PI);
+  const double depth = section_depth_radii * std::sqrt(plane.area / M_PI);
   const PlaneFrame frame(plane.centre - depth * plane.normal, plane.normal);
   std::vector<Vec2> loop;
-  for (const Vec3& p : trees_->slices.loop_around(frame))
+  for (const Vec3& p : search_trees_->slices.loop_around(frame))
     loop.push_back(frame.plane(p));
-  out.section = std::abs(signed_area(loop));
+  out.section_area = std::abs(signed_area(loop));
   out.tilt = tilt(patch, plane);
   return out;
 }

@@ -8,16 +8,16 @@ namespace anatomy {
 
 /// What is measured at a flat part to decide whether it is an end. An end is about as wide as the largest ball that
 /// fits behind it. The section half a radius behind it has about its area. The wall behind it runs along its normal.
-struct Evidence {
-  double ball = 0;    ///< mm, radius of the largest ball inside the lumen that touches the part at its centre
-  double section = 0; ///< mm2, area of the lumen half a radius behind the part; 0 if there is none
-  double tilt = 90;   ///< degrees between the part's normal and the axis of the wall within a radius behind it
+struct EndEvidence {
+  double ball_radius = 0;  ///< mm, radius of the largest ball inside the lumen that touches the part at its centre
+  double section_area = 0; ///< mm2, area of the lumen half a radius behind the part; 0 if there is none
+  double tilt = 90;        ///< degrees between the part's normal and the axis of the wall within a radius behind it
 };
 
 /// Why a flat part is no end, as text for the user; empty if it is an end. `rough` says that the surface is too rough
 /// for one plane to hold a whole cap. Then the part must also have at least 0.8 of the section's area. A smaller part
 /// would make the end too small, and the rest of the cap would become wall.
-std::string no_end_since(const PatchPlane& plane, const Evidence& evidence, bool rough);
+std::string no_end_reason(const PatchPlane& plane, const EndEvidence& evidence, bool rough);
 
 /// Least ratio of an end's width to the diameter of the ball behind it. It is 0.70 at an end behind which the vessel
 /// widens by 20 degrees, and 0.8 at a wide chamfer. A facet of a lofted wall has 0.67 (six corners), 0.48 (eight) or
@@ -25,22 +25,22 @@ std::string no_end_since(const PatchPlane& plane, const Evidence& evidence, bool
 constexpr double least_width = 0.6;
 
 /// Measures the evidence on a closed mesh without removed elements. The mesh must outlive this object.
-class Tubes {
+class VesselProbe {
 public:
-  explicit Tubes(const Mesh& mesh);
+  explicit VesselProbe(const Mesh& mesh);
   /// The evidence at the flat part `patch` with the plane `plane`. Section and tilt are measured only if the part is
   /// wide enough for an end.
-  Evidence evidence(const std::vector<Face>& patch, const PatchPlane& plane) const;
+  EndEvidence evidence(const std::vector<Face>& patch, const PatchPlane& plane) const;
   /// Radius (mm) of the largest ball that no part of the surface reaches into. The ball touches a plane at the point
   /// `from`, on the side of the plane's unit normal `inward`. This function also takes an open mesh.
-  double ball(const Vec3& from, const Vec3& inward) const;
+  double ball_radius(const Vec3& from, const Vec3& inward) const;
 
 private:
   double tilt(const std::vector<Face>& patch, const PatchPlane& plane) const;
 
   const Mesh& mesh_;
-  struct Trees;
-  std::shared_ptr<const Trees> trees_;
+  struct SearchTrees;
+  std::shared_ptr<const SearchTrees> search_trees_;
 };
 
 } // namespace anatomy

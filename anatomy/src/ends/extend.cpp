@@ -43,11 +43,11 @@ struct Extruder {
 };
 
 // Throws InputError if triangles of the extended mesh cross.
-void check_clear(const Mesh& mesh) {
+void check_no_crossing(const Mesh& mesh) {
   const auto pairs = crossings(mesh);
   if (!pairs.empty())
     throw common::InputError("a flow extension meets the vessel or another extension",
-                             place(vec(mesh.point(mesh.target(mesh.halfedge(pairs.front().first))))),
+                             point_text(vec(mesh.point(mesh.target(mesh.halfedge(pairs.front().first))))),
                              std::to_string(pairs.size()) + " pairs of triangles",
                              "extend less, or cut the ends so that they point apart");
 }
@@ -91,7 +91,7 @@ Mesh extended(const Mesh& mesh, std::vector<End>& ends, const std::vector<double
     ends[e].centre += shift;
     ends[e].extension += shift.norm();
   }
-  check_clear(extruder.to);
+  check_no_crossing(extruder.to);
   return extruder.to;
 }
 

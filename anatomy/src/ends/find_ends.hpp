@@ -18,14 +18,14 @@ struct NamedEnds {
 };
 
 /// A place where the vessel may end, as the user sees it.
-struct Candidate {
+struct EndCandidate {
   /// open: an opening; given: already tagged; flat: a flat part of the wall; rounded: a vessel's tip
   std::string kind;
   Vec3 centre = Vec3::Zero();
   double diameter = 0;  ///< mm, of a disc of the same area; of a rounded end: of the vessel's last ball
   double width = 0;     ///< mm, minor axis as in PatchPlane; of a rounded end: as `diameter`
   double off_plane = 0; ///< mm along its normal between the innermost and the outermost vertex; rounded: 0
-  Evidence evidence;    ///< of open and flat places
+  EndEvidence evidence; ///< of open and flat places
   bool is_end = false;
   std::string why; ///< reason for the decision
 };
@@ -39,13 +39,13 @@ struct Candidate {
 /// least_radius: mm, smallest radius of a flat end. Returns the candidates: first the ends, then the widest of those
 /// taken for wall. Throws InputError if nothing ends near a point, if two points name the same end, or if an opening
 /// has no point. The same holds if a rounded end has no axis or cannot be cut flat.
-std::vector<Candidate> find_ends(Mesh& mesh, NamedEnds named, double least_radius, std::vector<Repair>& repairs);
+std::vector<EndCandidate> find_ends(Mesh& mesh, NamedEnds named, double least_radius, std::vector<Repair>& repairs);
 
 /// The faces of each untagged flat part of a closed mesh that closes a vessel of at least this radius (mm).
 std::vector<std::vector<Face>> flat_ends(const Mesh& mesh, double least_radius);
 
 /// The candidates as a table of text for `lumen check`, and as the JSON document that `anatomy ends` draws.
-std::string table_of(const std::vector<Candidate>& candidates);
-nlohmann::ordered_json document_of(const std::vector<Candidate>& candidates);
+std::string table_of(const std::vector<EndCandidate>& candidates);
+nlohmann::ordered_json document_of(const std::vector<EndCandidate>& candidates);
 
 } // namespace anatomy

@@ -19,24 +19,24 @@ using Primitive = CGAL::AABB_triangle_primitive<Kernel, Iterator>;
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
 // Radii of the cap: largest distance from the cap to the centre of a face that lies on it.
-constexpr double on_cap = 0.02;
+constexpr double on_cap_radii = 0.02;
 // Cosine of the largest angle, 26 degrees, between a face on the cap and the cap's triangle nearest to it.
-constexpr double cos_cap = 0.9;
+constexpr double least_cap_cosine = 0.9;
 // Radii of the cap: a corner nearer to the cap lies on it. Files store coordinates in single precision.
-constexpr double same_point = 1e-5;
+constexpr double same_point_radii = 1e-5;
 constexpr double least_covered = 0.5; // least share of the cap's area that faces on it must cover
 // Radii of cap and end: largest mean distance between the two, since wall and cap may come from different meshes.
-constexpr double at_rim = 0.5;
+constexpr double rim_distance_radii = 0.5;
 // Least sine of the angle between the cap and the faces beside the rim that it closes.
-constexpr double turned = 0.1;
+constexpr double least_turn_sine = 0.1;
 
 double radius_of(double area) {
   return std::sqrt(area / M_PI);
 }
 
 // A given cap with a search tree of its triangles.
-struct SearchedCap {
-  explicit SearchedCap(const GivenCap& given) : radius(radius_of(given.area)) {
+struct SearchableCap {
+  explicit SearchableCap(const GivenCap& given) : radius(radius_of(given.area)) {
     for (const Triangle& t : given.triangles.triangles)
       triangles.emplace_back(given.triangles.points[t[0]], given.triangles.points[t[1]], given.triangles.points[t[2]]);
     tree.insert(triangles.begin(), triangles.end());
@@ -50,43 +50,43 @@ struct SearchedCap {
 
 // Whether the mean distance of the places from the cap is small, compared with the cap and with an end of this area
 // (mm2).
-bool are_at(const std::vector<Vec3>& places, double area, const SearchedCap& cap) {
+bool lie_at_cap(const std::vector<Vec3>& places, double area, const SearchableCap& cap) {
   double sum = 0;
   for (const Vec3& p : places)
     sum += cap.distance(p);
-  return sum < at_rim * std::min(cap.radius, radius_of(area)) * static_cast<double>(places.size());
+  return sum < rim_distance_radii * std::min(cap.radius, radius_of(area)) * static_cast<double>(places.size());
 }
 
 // Whether the cap closes the opening: the rim lies on the cap, and the faces beside the rim do not. Only the rim is
 // tested, since the middle of a dome may be far from the opening.
-bool closes(const SearchedCap& cap, const Mesh& mesh, const Loop& loop) {
+bool closes(const SearchableCap& cap, const Mesh& mesh, const Loop& loop) {
   std::vector<Vec3> rim;
-  double off_cap = 0, off_rim = 0; // mm, sums over the middles of the faces beside the rim
+  double from_cap = 0, from_rim_edge = 0; // mm, sums over the middles of the faces beside the rim
   for (Halfedge h : CGAL::halfedges_around_face(loop.halfedge, mesh)) {
     const Vec3 a = vec(mesh.point(mesh.source(h))), b = vec(mesh.point(mesh.target(h)));
     rim.push_back(b);
     const Vec3 middle = centroid(mesh, mesh.face(mesh.opposite(h)));
-    off_cap += cap.distance(middle);
-    off_rim += (middle - a).cross(Vec3(middle - b)).norm() / (b - a).norm();
+    from_cap += cap.distance(middle);
+    from_rim_edge += (middle - a).cross(Vec3(middle - b)).norm() / (b - a).norm();
   }
-  return off_cap > turned * off_rim && are_at(rim, loop.area, cap);
+  return from_cap > least_turn_sine * from_rim_edge && lie_at_cap(rim, loop.area, cap);
 }
 
 // The faces that lie on the cap. A face of almost no area has no reliable direction. So a face whose direction differs
 // from the cap's lies on it if its corners do.
-std::vector<Face> faces_on(const Mesh& mesh, const SearchedCap& cap) {
+std::vector<Face> faces_on(const Mesh& mesh, const SearchableCap& cap) {
   const auto is_on_cap = [&](Face f) {
     const auto [nearest, triangle] = cap.tree.closest_point_and_primitive(point(centroid(mesh, f)));
-    if ((vec(nearest) - centroid(mesh, f)).norm() > on_cap * cap.radius)
+    if ((vec(nearest) - centroid(mesh, f)).norm() > on_cap_radii * cap.radius)
       return false;
     const Vec3 area = area_vector(mesh, f);
     const Vec3 a = vec(triangle->vertex(0)), b = vec(triangle->vertex(1)), c = vec(triangle->vertex(2));
     const Vec3 of_cap = (b - a).cross(Vec3(c - a));
-    if (std::abs(area.dot(of_cap)) >= cos_cap * area.norm() * of_cap.norm())
+    if (std::abs(area.dot(of_cap)) >= least_cap_cosine * area.norm() * of_cap.norm())
       return true;
     const auto corners = mesh.vertices_around_face(mesh.halfedge(f));
     return std::all_of(corners.begin(), corners.end(),
-                       [&](Vertex v) { return cap.distance(vec(mesh.point(v))) < same_point * cap.radius; });
+                       [&](Vertex v) { return cap.distance(vec(mesh.point(v))) < same_point_radii * cap.radius; });
   };
   std::vector<Face> faces;
   std::copy_if(mesh.faces().begin(), mesh.faces().end(), std::back_inserter(faces), is_on_cap);
@@ -94,7 +94,7 @@ std::vector<Face> faces_on(const Mesh& mesh, const SearchedCap& cap) {
 }
 
 // Centres (mm) of the ends that the cap closes: of openings, and of caps that the surface itself tags.
-std::vector<Vec3> ends_at(const Mesh& mesh, const SearchedCap& cap) {
+std::vector<Vec3> ends_closed_by(const Mesh& mesh, const SearchableCap& cap) {
   std::vector<Vec3> centres;
   for (const Loop& loop : boundary_loops(mesh))
     if (closes(cap, mesh, loop))
@@ -103,14 +103,14 @@ std::vector<Vec3> ends_at(const Mesh& mesh, const SearchedCap& cap) {
     std::vector<Vec3> places;
     for (Face f : faces)
       places.push_back(centroid(mesh, f));
-    if (const PatchPlane plane = plane_of(mesh, faces); are_at(places, plane.area, cap))
+    if (const PatchPlane plane = plane_of(mesh, faces); lie_at_cap(places, plane.area, cap))
       centres.push_back(plane.centre);
   }
   return centres;
 }
 
 // Removes the faces that lie on the cap. Throws InputError if they cover too little of it.
-void open_at(Mesh& mesh, const GivenCap& cap, const SearchedCap& searched) {
+void remove_cap_faces(Mesh& mesh, const GivenCap& cap, const SearchableCap& searched) {
   const std::vector<Face> faces = faces_on(mesh, searched);
   double covered = 0;
   for (Face f : faces)
@@ -119,7 +119,7 @@ void open_at(Mesh& mesh, const GivenCap& cap, const SearchedCap& searched) {
     char value[200];
     std::snprintf(value, sizeof value,
                   "its centre %s, area %.3g mm2, of which the surface's triangles within %.3g mm of it cover %.0f %%",
-                  place(cap.centre).c_str(), cap.area, on_cap * searched.radius, 100 * covered / cap.area);
+                  point_text(cap.centre).c_str(), cap.area, on_cap_radii * searched.radius, 100 * covered / cap.area);
     throw InputError(
         "no end of the vessel at a given cap", cap.path, value,
         "give the surface's own triangles at this end, or a surface that is open there; check frame and unit");
@@ -131,10 +131,10 @@ void open_at(Mesh& mesh, const GivenCap& cap, const SearchedCap& searched) {
 
 } // namespace
 
-IsGivenEnd closed_by(const std::vector<GivenCap>& caps) {
-  std::vector<std::shared_ptr<const SearchedCap>> searched; // shared pointers, since a std::function must be copyable
+IsGivenEnd ends_at_caps(const std::vector<GivenCap>& caps) {
+  std::vector<std::shared_ptr<const SearchableCap>> searched; // shared pointers, since a std::function must be copyable
   for (const GivenCap& cap : caps)
-    searched.push_back(std::make_shared<const SearchedCap>(cap));
+    searched.push_back(std::make_shared<const SearchableCap>(cap));
   return [searched](const Mesh& mesh, const Loop& loop) {
     return std::any_of(searched.begin(), searched.end(), [&](const auto& cap) { return closes(*cap, mesh, loop); });
   };
@@ -143,11 +143,11 @@ IsGivenEnd closed_by(const std::vector<GivenCap>& caps) {
 std::vector<Vec3> open_given_caps(Mesh& mesh, const std::vector<GivenCap>& caps) {
   std::vector<Vec3> centres;
   for (const GivenCap& cap : caps) {
-    const SearchedCap searched(cap);
-    std::vector<Vec3> ends = ends_at(mesh, searched);
+    const SearchableCap searched(cap);
+    std::vector<Vec3> ends = ends_closed_by(mesh, searched);
     if (ends.empty()) {
-      open_at(mesh, cap, searched);
-      ends = ends_at(mesh, searched);
+      remove_cap_faces(mesh, cap, searched);
+      ends = ends_closed_by(mesh, searched);
     }
     if (ends.size() != 1)
       throw InputError("a given cap does not close one end of the vessel", cap.path,

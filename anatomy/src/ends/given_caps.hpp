@@ -7,7 +7,7 @@ namespace anatomy {
 
 /// Returns a test whether one of the caps closes the vessel at a loop: the rim lies on the cap, and the faces beside
 /// the rim do not. So a hole in a closed end is no end.
-IsGivenEnd closed_by(const std::vector<GivenCap>& caps);
+IsGivenEnd ends_at_caps(const std::vector<GivenCap>& caps);
 
 /// Opens the mesh at each cap and returns the centres of the openings (mm), in the order of the caps. The faces that
 /// lie on the cap are removed. The rim that is left is treated like that of any open end. So a cap may be a dome, or

@@ -11,24 +11,24 @@ namespace {
 using common::InputError;
 
 // Radii of the rim: a rim with a corner farther from its plane is ragged, however fine its triangles.
-constexpr double largest_move = 0.25;
-constexpr double largest_loss = 1;   // radii of the rim: greatest length of vessel that a cut may lose
-constexpr double flat = 0.05;        // edge lengths: a rim nearer to its plane is as flat as a file's digits can say
-constexpr double crushed = 0.2;      // least share of its area that a triangle must keep when the rim is flattened
-constexpr double behind_notch = 0.5; // edge lengths, from the rim's deepest notch to the cutting plane
-constexpr double before_rim = 0.5;   // radii of the rim, from its outermost corner to the fan's apex
+constexpr double largest_move_radii = 0.25;
+constexpr double largest_loss_radii = 1; // radii of the rim: greatest length of vessel that a cut may lose
+constexpr double flat_tolerance = 0.05; // edge lengths: a rim nearer to its plane is as flat as a file's digits can say
+constexpr double least_kept_area = 0.2; // least share of its area that a triangle must keep when the rim is flattened
+constexpr double notch_margin = 0.5;    // edge lengths, from the rim's deepest notch to the cutting plane
+constexpr double apex_radii = 0.5;      // radii of the rim, from its outermost corner to the fan's apex
 // Largest distance of the rim's corners from the centre, over the cutting square's half width.
-constexpr double diagonal = 0.8;
+constexpr double corner_reach = 0.8;
 // A rim, with heights over its least-squares plane.
 struct Rim {
   std::set<Vertex> corners;
-  double spacing = 0;               // mm, mean length of the edges at the corners
-  Vec3 inward = Vec3::Zero();       // unit normal of the plane, towards the vessel
-  double deepest = 0, foremost = 0; // mm, largest and smallest height of a corner along `inward`
-  Vec3 foremost_at = Vec3::Zero();  // mm, the corner at the height `foremost`
-  double reach = 0;                 // mm, from the centre to the farthest corner
+  double spacing = 0;                   // mm, mean length of the edges at the corners
+  Vec3 inward = Vec3::Zero();           // unit normal of the plane, towards the vessel
+  double deepest = 0, outermost = 0;    // mm, largest and smallest height of a corner along `inward`
+  Vec3 outermost_corner = Vec3::Zero(); // mm, the corner at the height `outermost`
+  double reach = 0;                     // mm, from the centre to the farthest corner
 
-  double farthest() const { return std::max(deepest, -foremost); }
+  double farthest() const { return std::max(deepest, -outermost); }
 };
 
 Rim rim_of(const Mesh& mesh, const Loop& loop) {
@@ -47,15 +47,15 @@ Rim rim_of(const Mesh& mesh, const Loop& loop) {
   rim.spacing /= static_cast<double>(edges);
   rim.inward = along > 0 ? loop.normal : Vec3(-loop.normal);
   rim.deepest = -1e300;
-  rim.foremost = 1e300;
+  rim.outermost = 1e300;
   for (Vertex v : rim.corners) {
     const Vec3 p = vec(mesh.point(v)) - loop.centre;
     const double height = rim.inward.dot(p);
     rim.deepest = std::max(rim.deepest, height);
     rim.reach = std::max(rim.reach, p.norm());
-    if (height < rim.foremost) {
-      rim.foremost = height;
-      rim.foremost_at = p + loop.centre;
+    if (height < rim.outermost) {
+      rim.outermost = height;
+      rim.outermost_corner = p + loop.centre;
     }
   }
   return rim;
@@ -78,7 +78,7 @@ bool folds(const Mesh& mesh, const Loop& loop, const Rim& rim) {
         after[k++] = moved(w);
       }
       const Vec3 normal = (before[1] - before[0]).cross(before[2] - before[0]);
-      if ((after[1] - after[0]).cross(after[2] - after[0]).dot(normal) < crushed * normal.squaredNorm())
+      if ((after[1] - after[0]).cross(after[2] - after[0]).dot(normal) < least_kept_area * normal.squaredNorm())
         return true;
     }
   return false;
@@ -89,32 +89,33 @@ bool folds(const Mesh& mesh, const Loop& loop, const Rim& rim) {
 OpenEnd open_end(const Mesh& mesh, const Loop& loop) {
   const Rim rim = rim_of(mesh, loop);
   const double radius = std::sqrt(loop.area / M_PI);
-  const double behind = rim.deepest + behind_notch * rim.spacing;
+  const double behind = rim.deepest + notch_margin * rim.spacing;
   OpenEnd end;
-  end.plane = {loop.centre + behind * rim.inward, rim.inward, std::max(radius, rim.reach / (diagonal * half_width))};
+  end.plane = {loop.centre + behind * rim.inward, rim.inward,
+               std::max(radius, rim.reach / (corner_reach * square_half_width))};
   end.centre = loop.centre;
-  end.foremost = rim.foremost_at;
+  end.outermost = rim.outermost_corner;
   end.area = loop.area;
-  end.depth = behind - rim.foremost;
+  end.depth = behind - rim.outermost;
   end.spacing = rim.spacing;
-  end.ragged = rim.farthest() > flat * rim.spacing &&
-               (rim.farthest() > std::min(largest_move * radius, rim.spacing) || folds(mesh, loop, rim));
-  if (end.ragged && end.depth > largest_loss * radius)
-    throw InputError("an open end is not cut flat", place(loop.centre),
+  end.ragged = rim.farthest() > flat_tolerance * rim.spacing &&
+               (rim.farthest() > std::min(largest_move_radii * radius, rim.spacing) || folds(mesh, loop, rim));
+  if (end.ragged && end.depth > largest_loss_radii * radius)
+    throw InputError("an open end is not cut flat", point_text(loop.centre),
                      "rim up to " + std::to_string(rim.farthest()) + " mm from its plane, radius " +
                          std::to_string(radius) + " mm",
                      cut_remedy);
   return end;
 }
 
-std::vector<Face> closed_as_it_is(Mesh& mesh, const Loop& loop, const OpenEnd& end) {
+std::vector<Face> close_unflattened(Mesh& mesh, const Loop& loop, const OpenEnd& end) {
   const auto around = CGAL::vertices_around_face(loop.halfedge, mesh);
   if (std::set<Vertex>(around.begin(), around.end()).size() < loop.halfedges)
-    return filled(mesh, loop.halfedge);
+    return fill_hole(mesh, loop.halfedge);
   CGAL::Euler::fill_hole(loop.halfedge, mesh);
   const Vertex apex = mesh.target(CGAL::Euler::add_center_vertex(loop.halfedge, mesh));
   const double radius = std::sqrt(end.area / M_PI);
-  mesh.point(apex) = point(end.plane.centre - (end.depth + before_rim * radius) * end.plane.normal);
+  mesh.point(apex) = point(end.plane.centre - (end.depth + apex_radii * radius) * end.plane.normal);
   const auto faces = mesh.faces_around_target(mesh.halfedge(apex));
   return {faces.begin(), faces.end()};
 }

@@ -13,8 +13,8 @@ constexpr int most_fits = 4; // largest number of times that a plane is fitted t
 
 // The connected faces round `seed` that lie within `off_plane` mm of the plane. Faces flagged in `taken` are left out.
 // The faces visited get the number `mark` in `seen`.
-std::vector<Face> grown(const Mesh& mesh, Face seed, const PatchPlane& plane, double off_plane,
-                        const std::vector<bool>& taken, std::vector<int>& seen, int mark) {
+std::vector<Face> grow_patch(const Mesh& mesh, Face seed, const PatchPlane& plane, double off_plane,
+                             const std::vector<bool>& taken, std::vector<int>& seen, int mark) {
   const auto belongs = [&](Face f) {
     for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
       if (std::abs((vec(mesh.point(v)) - plane.centre).dot(plane.normal)) > off_plane)
@@ -99,7 +99,7 @@ std::vector<std::vector<Face>> planar_patches(const Mesh& mesh, double off_plane
     std::vector<Face> patch{seed};
     for (int fit = 0; fit < most_fits; ++fit) {
       const std::size_t before = patch.size();
-      patch = grown(mesh, seed, plane_of(mesh, patch), off_plane, taken, seen, ++mark);
+      patch = grow_patch(mesh, seed, plane_of(mesh, patch), off_plane, taken, seen, ++mark);
       if (patch.size() <= before)
         break;
     }

@@ -43,15 +43,16 @@ template <class Marked> std::vector<Face> side_of(const Mesh& mesh, const Marked
 }
 
 [[noreturn]] void refuse(const Plane& plane, const std::string& remedy) {
-  throw InputError("a plane across the vessel does not separate its end", place(plane.centre),
+  throw InputError("a plane across the vessel does not separate its end", point_text(plane.centre),
                    "radius " + std::to_string(plane.radius) + " mm", remedy);
 }
 
 // Cuts the mesh by the square of the plane, which marks loops of edges. Returns the faces on either side of the loop
 // nearest to the plane's centre.
-std::pair<std::vector<Face>, std::vector<Face>> sides(Mesh& mesh, const Plane& plane, const std::string& remedy) {
+std::pair<std::vector<Face>, std::vector<Face>> cut_into_sides(Mesh& mesh, const Plane& plane,
+                                                               const std::string& remedy) {
   Mesh square;
-  const Vec3 u = half_width * plane.radius * plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
+  const Vec3 u = square_half_width * plane.radius * plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
   std::array<Vertex, 4> corner;
   for (int k = 0; k < 4; ++k)
     corner[static_cast<std::size_t>(k)] =
@@ -79,7 +80,7 @@ std::pair<std::vector<Face>, std::vector<Face>> sides(Mesh& mesh, const Plane& p
   return both;
 }
 
-bool holds(const Mesh& mesh, const std::vector<Face>& faces, Vertex vertex) {
+bool contains_vertex(const Mesh& mesh, const std::vector<Face>& faces, Vertex vertex) {
   return std::any_of(faces.begin(), faces.end(), [&](Face f) {
     const auto corners = mesh.vertices_around_face(mesh.halfedge(f));
     return std::find(corners.begin(), corners.end(), vertex) != corners.end();
@@ -87,7 +88,7 @@ bool holds(const Mesh& mesh, const std::vector<Face>& faces, Vertex vertex) {
 }
 
 // Removes the faces and returns their area (mm2).
-double dropped(Mesh& mesh, const std::vector<Face>& faces) {
+double remove_faces(Mesh& mesh, const std::vector<Face>& faces) {
   const double lost = surface_area(mesh, faces);
   for (Face f : faces)
     CGAL::Euler::remove_face(mesh.halfedge(f), mesh);
@@ -96,37 +97,38 @@ double dropped(Mesh& mesh, const std::vector<Face>& faces) {
 
 } // namespace
 
-double cut(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy) {
-  auto [drop, other] = sides(mesh, plane, remedy);
-  if (tip == Mesh::null_vertex() ? surface_area(mesh, other) < surface_area(mesh, drop) : holds(mesh, other, tip))
+double cut_at_plane(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy) {
+  auto [drop, other] = cut_into_sides(mesh, plane, remedy);
+  if (tip == Mesh::null_vertex() ? surface_area(mesh, other) < surface_area(mesh, drop)
+                                 : contains_vertex(mesh, other, tip))
     std::swap(drop, other);
-  if (tip != Mesh::null_vertex() && (!holds(mesh, drop, tip) || holds(mesh, other, tip)))
+  if (tip != Mesh::null_vertex() && (!contains_vertex(mesh, drop, tip) || contains_vertex(mesh, other, tip)))
     refuse(plane, remedy);
   if (surface_area(mesh, drop) > 0.5 * surface_area(mesh)) // the two sides are connected elsewhere
     refuse(plane, remedy);
-  const double lost = dropped(mesh, drop);
+  const double lost = remove_faces(mesh, drop);
   PMP::keep_largest_connected_components(mesh, 1); // drops bumps of a rough wall that the plane has cut off
   return lost;
 }
 
-double keep_beyond(Mesh& mesh, const Plane& plane, Vertex vertex, const std::string& remedy) {
-  auto [drop, kept] = sides(mesh, plane, remedy);
-  if (holds(mesh, drop, vertex))
+double cut_and_keep(Mesh& mesh, const Plane& plane, Vertex vertex, const std::string& remedy) {
+  auto [drop, kept] = cut_into_sides(mesh, plane, remedy);
+  if (contains_vertex(mesh, drop, vertex))
     std::swap(drop, kept);
-  if (!holds(mesh, kept, vertex) || holds(mesh, drop, vertex))
+  if (!contains_vertex(mesh, kept, vertex) || contains_vertex(mesh, drop, vertex))
     refuse(plane, remedy);
   std::vector<bool> keep(mesh.num_faces(), false);
   for (Face f : kept)
     keep[f] = true;
   std::vector<Face> rest;
   std::copy_if(mesh.faces().begin(), mesh.faces().end(), std::back_inserter(rest), [&](Face f) { return !keep[f]; });
-  return dropped(mesh, rest);
+  return remove_faces(mesh, rest);
 }
 
 void report_cut(std::vector<Repair>& repairs, const std::string& what, const Plane& plane, double lost) {
   char detail[160];
   std::snprintf(detail, sizeof detail, "radius %.3f mm at %s, %.2f mm2 of wall dropped", plane.radius,
-                place(plane.centre).c_str(), lost);
+                point_text(plane.centre).c_str(), lost);
   repairs.push_back({what, 1, detail});
 }
 

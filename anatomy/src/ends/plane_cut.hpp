@@ -13,16 +13,16 @@ struct Plane {
 /// Least ratio of the cutting square's half width to the section's farthest distance from the plane's centre.
 constexpr double section_cover = 1.15;
 /// Half width of the cutting square, in radii of the plane: wide enough for oval vessels, not for neighbouring ones.
-constexpr double half_width = 2;
+constexpr double square_half_width = 2;
 
 /// Cuts the mesh across and drops the side that holds the vertex `tip`, or the smaller side if `tip` is the null
 /// vertex. The cut leaves one opening, and faces keep their tags. Returns the area dropped (mm2); the mesh then holds
 /// removed elements. Throws InputError with `remedy` if the plane does not separate the sides, or if it drops more than
 /// half of the area.
-double cut(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy);
+double cut_at_plane(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy);
 
 /// Cuts as cut() does, but keeps the side that holds `vertex`, whatever its size. Returns the area dropped (mm2).
-double keep_beyond(Mesh& mesh, const Plane& plane, Vertex vertex, const std::string& remedy);
+double cut_and_keep(Mesh& mesh, const Plane& plane, Vertex vertex, const std::string& remedy);
 
 /// Adds a cut to `repairs`, as `what`, with its radius, its place and the area `lost` (mm2).
 void report_cut(std::vector<Repair>& repairs, const std::string& what, const Plane& plane, double lost);

@@ -10,12 +10,14 @@ namespace anatomy {
 namespace {
 using common::InputError;
 
-constexpr double same_cap = 0.02; // largest relative change of a sound cap's area
-constexpr double off_cap = 0.25;  // edge lengths: largest distance of a sound cap's vertices from its plane
-constexpr double like_rim = 0.25; // largest relative difference between the areas of a section and of the sawtooth rim
-constexpr double same_section = 0.05; // largest relative difference between the areas of like sections
-constexpr double off_step = 0.05; // radii: largest difference between the steps from one section's centre to the next
-constexpr int most_attempts = 8;  // largest number of planes tried, each an edge length farther in
+constexpr double cap_area_tolerance = 0.02;   // largest relative change of a sound cap's area
+constexpr double cap_height_tolerance = 0.25; // edge lengths: largest distance of a sound cap's vertices from its plane
+constexpr double rim_area_tolerance =
+    0.25; // largest relative difference between the areas of a section and of the sawtooth rim
+constexpr double section_area_tolerance = 0.05; // largest relative difference between the areas of like sections
+constexpr double step_tolerance =
+    0.05;                        // radii: largest difference between the steps from one section's centre to the next
+constexpr int most_attempts = 8; // largest number of planes tried, each an edge length farther in
 
 // The vertex nearest to p (mm) on the side that the plane cuts off. Repairs may have moved the rim's corners, so p may
 // be no vertex.
@@ -45,12 +47,12 @@ bool is_damaged(const Mesh& mesh, const OpenEnd& end) {
     sum += area.norm();
     off = std::max(off, std::abs(end.plane.normal.dot(Vec3(b - end.centre))));
   }
-  return std::abs(total.norm() / end.area - 1) > same_cap || sum > (1 + same_cap) * total.norm() ||
-         off > off_cap * end.spacing;
+  return std::abs(total.norm() / end.area - 1) > cap_area_tolerance || sum > (1 + cap_area_tolerance) * total.norm() ||
+         off > cap_height_tolerance * end.spacing;
 }
 
 // A mesh after an end was cut off, and the opening that the cut left.
-struct Opened {
+struct OpenedMesh {
   Mesh mesh;
   Loop loop;
   double lost, depth; // mm2 of wall and mm of vessel that were cut off
@@ -58,17 +60,17 @@ struct Opened {
 
 // Cuts a copy of the mesh by `plane`, which lies `deeper` mm behind the end's own plane. Returns nothing if the cut
 // fails or does not leave exactly one opening. The same holds if the opening's area differs from the rim's by more than
-// like_rim.
-std::optional<Opened> opened(const Mesh& mesh, const OpenEnd& end, const Plane& plane, double deeper) {
-  Opened out{mesh, {}, 0, end.depth + deeper};
+// rim_area_tolerance.
+std::optional<OpenedMesh> open_behind(const Mesh& mesh, const OpenEnd& end, const Plane& plane, double deeper) {
+  OpenedMesh out{mesh, {}, 0, end.depth + deeper};
   try {
-    out.lost = cut(out.mesh, plane, vertex_before(out.mesh, plane, end.foremost), cut_remedy);
+    out.lost = cut_at_plane(out.mesh, plane, vertex_before(out.mesh, plane, end.outermost), cut_remedy);
   } catch (const InputError&) {
     return std::nullopt;
   }
   out.mesh.collect_garbage();
   const std::vector<Loop> loops = boundary_loops(out.mesh);
-  if (loops.size() != 1 || std::abs(loops[0].area / end.area - 1) > like_rim)
+  if (loops.size() != 1 || std::abs(loops[0].area / end.area - 1) > rim_area_tolerance)
     return std::nullopt;
   out.loop = loops[0];
   return out;
@@ -76,24 +78,24 @@ std::optional<Opened> opened(const Mesh& mesh, const OpenEnd& end, const Plane& 
 
 // Whether three sections are of one vessel: their areas are alike, and the steps between their centres are equal. The
 // rim may be oblique, so the steps need not be along the planes' normal.
-bool alike(const Opened& a, const Opened& b, const Opened& c) {
+bool are_alike(const OpenedMesh& a, const OpenedMesh& b, const OpenedMesh& c) {
   const Vec3 bend = (c.loop.centre - b.loop.centre) - (b.loop.centre - a.loop.centre);
-  return std::abs(b.loop.area / a.loop.area - 1) < same_section &&
-         std::abs(c.loop.area / b.loop.area - 1) < same_section &&
-         bend.norm() < off_step * std::sqrt(a.loop.area / M_PI);
+  return std::abs(b.loop.area / a.loop.area - 1) < section_area_tolerance &&
+         std::abs(c.loop.area / b.loop.area - 1) < section_area_tolerance &&
+         bend.norm() < step_tolerance * std::sqrt(a.loop.area / M_PI);
 }
 
 // Cuts behind the end at the first plane whose section is like the sections of the next two planes, an edge apart.
 // Nearer to the rim the temporary closure may reach inside, and the wall may be crumpled.
-Opened cut_behind(const Mesh& mesh, const OpenEnd& end) {
-  std::optional<Opened> first, second;
+OpenedMesh cut_behind(const Mesh& mesh, const OpenEnd& end) {
+  std::optional<OpenedMesh> first, second;
   Plane plane = end.plane;
   for (int attempt = 0; attempt < most_attempts; ++attempt) {
-    std::optional<Opened> third = opened(mesh, end, plane, attempt * end.spacing);
+    std::optional<OpenedMesh> third = open_behind(mesh, end, plane, attempt * end.spacing);
     if (third) // behind an oblique rim the vessel does not run along the planes' normal
       plane.centre = third->loop.centre;
     plane.centre += end.spacing * plane.normal;
-    if (first && second && third && alike(*first, *second, *third))
+    if (first && second && third && are_alike(*first, *second, *third))
       return *std::move(first);
     first = std::move(second);
     second = std::move(third);
@@ -101,7 +103,7 @@ Opened cut_behind(const Mesh& mesh, const OpenEnd& end) {
   char value[160];
   std::snprintf(value, sizeof value, "diameter %.2f mm; no three like sections within %.1f mm behind its rim",
                 2 * std::sqrt(end.area / M_PI), end.depth + (most_attempts - 1) * end.spacing);
-  throw InputError("an open end is too ragged to be cut flat", place(end.centre), value,
+  throw InputError("an open end is too ragged to be cut flat", point_text(end.centre), value,
                    std::string(cut_remedy) + "; if no vessel ends there, the wall is torn: fill the hole");
 }
 
@@ -122,11 +124,11 @@ void cut_ragged(Mesh& mesh, const std::vector<OpenEnd>& ends, std::vector<Repair
       continue;
     if (!end.ragged)
       untag(mesh, end.tag);
-    Opened cut_off = cut_behind(mesh, end);
-    mesh = std::move(cut_off.mesh);
+    OpenedMesh cut_end = cut_behind(mesh, end);
+    mesh = std::move(cut_end.mesh);
     char detail[192];
     std::snprintf(detail, sizeof detail, "at %s: %.2f mm of the vessel and %.2f mm2 of wall dropped, %s",
-                  place(end.centre).c_str(), cut_off.depth, cut_off.lost,
+                  point_text(end.centre).c_str(), cut_end.depth, cut_end.lost,
                   end.ragged ? "since its rim is a sawtooth" : "since the wall crosses itself at its rim");
     repairs.push_back({"ragged end cut flat", 1, detail, true});
     cap_open_ends(mesh, repairs);

@@ -6,25 +6,26 @@ namespace {
 
 // Least ratio of the section's area to the end's for a rounded rim: a vessel that widens by 6 degrees on each side over
 // half a radius.
-constexpr double as_large = 1.1;
+constexpr double rounded_rim_ratio = 1.1;
 // Largest ratio of the area of a section further in to that of the plane chosen: a plane further in would gain little.
-constexpr double settled = 1.05;
-constexpr double further = 0.5;  // radii of the section, from a plane to the section further in
-constexpr double step = 0.05;    // radii of the section, between planes that are tried
-constexpr double deepest = 0.75; // radii of the section, from the end to the last plane that is tried
+constexpr double settled_area_ratio = 1.05;
+constexpr double comparison_radii = 0.5; // radii of the section, from a plane to the section further in
+constexpr double rim_step_radii = 0.05;  // radii of the section, between planes that are tried
+constexpr double deepest_radii = 0.75;   // radii of the section, from the end to the last plane that is tried
 
 } // namespace
 
 std::optional<Plane> plane_behind_rim(const Slices& slices, const PatchPlane& end, double section) {
-  if (section < as_large * end.area)
+  if (section < rounded_rim_ratio * end.area)
     return std::nullopt;
   const double radius = std::sqrt(section / M_PI);
-  const auto outline = [&](double depth) { return slices.outline({end.centre - depth * end.normal, end.normal}); };
-  for (double depth = step * radius - end.lowest; depth < deepest * radius; depth += step * radius) {
-    const Outline here = outline(depth);
-    if (here.area > 0 && outline(depth + further * radius).area < settled * here.area)
+  const auto size_at = [&](double depth) { return slices.section_size({end.centre - depth * end.normal, end.normal}); };
+  for (double depth = rim_step_radii * radius - end.lowest; depth < deepest_radii * radius;
+       depth += rim_step_radii * radius) {
+    const SectionSize here = size_at(depth);
+    if (here.area > 0 && size_at(depth + comparison_radii * radius).area < settled_area_ratio * here.area)
       return Plane{end.centre - depth * end.normal, -end.normal,
-                   std::max(radius, section_cover * here.reach / half_width)};
+                   std::max(radius, section_cover * here.reach / square_half_width)};
   }
   return std::nullopt;
 }

@@ -7,7 +7,7 @@ namespace {
 
 using common::InputError;
 
-GivenCap measured(const std::string& path, const Soup& soup) {
+GivenCap measure_cap(const std::string& path, const Soup& soup) {
   GivenCap cap{path, Vec3::Zero(), 0, soup};
   double weight = 0;
   Vec3 total = Vec3::Zero();
@@ -34,7 +34,7 @@ GivenCap measured(const std::string& path, const Soup& soup) {
 std::vector<GivenCap> read_caps(const std::vector<std::string>& paths, const std::string& units) {
   std::vector<GivenCap> caps;
   for (const std::string& path : paths)
-    caps.push_back(measured(path, soup_of(read_triangles(path, units))));
+    caps.push_back(measure_cap(path, soup_of(read_triangles(path, units))));
   return caps;
 }
 

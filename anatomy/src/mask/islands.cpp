@@ -8,9 +8,9 @@
 namespace anatomy {
 namespace {
 
-constexpr double vessel_length = 8; // longest voxel edges: a shorter piece counts as noise, not as a vessel
-constexpr std::size_t noise = 8;    // voxels: more of them in cavities give a warning
-constexpr int few_slices = 3;       // empty slices that count as not segmented; more of them separate two trees
+constexpr double vessel_length_voxels = 8; // longest voxel edges: a shorter piece counts as noise, not as a vessel
+constexpr std::size_t noise_voxels = 8;    // voxels: more of them in cavities give a warning
+constexpr int most_empty_slices = 3;       // empty slices that count as not segmented; more of them separate two trees
 
 using Voxel = std::array<int, 3>;
 
@@ -26,7 +26,7 @@ vtkSmartPointer<vtkImageData> pieces_of(vtkImageData* indicator, double least = 
   return pieces->GetOutput();
 }
 
-template <class Action> void visit(vtkImageData* image, const Action& action) {
+template <class Action> void for_each_voxel(vtkImageData* image, const Action& action) {
   const int* extent = image->GetExtent();
   for (int k = extent[4]; k <= extent[5]; ++k)
     for (int j = extent[2]; j <= extent[3]; ++j)
@@ -47,7 +47,7 @@ std::size_t join_corners(vtkImageData* indicator, vtkImageData* pieces) {
     filled += *value < 0.5F;
     *value = 1;
   };
-  visit(pieces, [&](const Voxel& v) {
+  for_each_voxel(pieces, [&](const Voxel& v) {
     const int rank = rank_at(pieces, v);
     if (rank == 0)
       return;
@@ -74,9 +74,9 @@ Eigen::Vector3d in_file(const Mask& mask, const Voxel& v) {
   return (mask.to_file * Eigen::Vector4d(v[0], v[1], v[2], 1)).head<3>();
 }
 
-std::vector<Piece> list_of(vtkImageData* ranks, const Mask& mask) {
+std::vector<Piece> list_pieces(vtkImageData* ranks, const Mask& mask) {
   std::vector<Piece> pieces;
-  visit(ranks, [&](const Voxel& v) {
+  for_each_voxel(ranks, [&](const Voxel& v) {
     const auto rank = static_cast<std::size_t>(rank_at(ranks, v));
     if (rank == 0)
       return;
@@ -122,7 +122,7 @@ std::size_t nearest_piece(const std::vector<Piece>& pieces, const Eigen::Vector3
   std::size_t best = 0;
   double least = 1e300;
   for (std::size_t k = 0; k < pieces.size(); ++k)
-    if (k == 0 || pieces[k].length >= vessel_length * longest_edge(mask))
+    if (k == 0 || pieces[k].length >= vessel_length_voxels * longest_edge(mask))
       for (const Voxel& v : pieces[k].voxels)
         if (const double away = (in_file(mask, v) - inlet).norm(); away < least) {
           least = away;
@@ -141,11 +141,11 @@ void check_no_empty_slice(vtkImageData* ranks, const std::vector<Piece>& pieces,
         filled.insert(v[axis]);
     for (auto low = filled.begin(), high = std::next(low); high != filled.end(); low = high++) {
       const int empty = *high - *low - 1;
-      if (empty == 0 || empty > few_slices)
+      if (empty == 0 || empty > most_empty_slices)
         continue;
       for (std::size_t k = 0; k < pieces.size(); ++k)
         for (Voxel v : pieces[k].voxels) {
-          if (k == kept || pieces[k].length < vessel_length * longest_edge(mask) ||
+          if (k == kept || pieces[k].length < vessel_length_voxels * longest_edge(mask) ||
               (v[axis] != *low && v[axis] != *high))
             continue;
           const std::string at = place_in_file(mask, Eigen::Vector4d(v[0], v[1], v[2], 1));
@@ -181,7 +181,7 @@ void keep_one_island(vtkImageData* indicator, const Mask& mask, const std::optio
     repairs.push_back({"voxels filled where the label touches itself by corners only", filled, ""});
     ranks = pieces_of(indicator);
   }
-  const std::vector<Piece> pieces = list_of(ranks, mask);
+  const std::vector<Piece> pieces = list_pieces(ranks, mask);
   if (pieces.size() < 2)
     return;
   const std::size_t kept = inlet ? nearest_piece(pieces, *inlet, mask) : 0;
@@ -195,7 +195,7 @@ void keep_one_island(vtkImageData* indicator, const Mask& mask, const std::optio
     dropped += piece.voxels.size();
     for (const Voxel& v : piece.voxels)
       *static_cast<float*>(indicator->GetScalarPointer(v[0], v[1], v[2])) = 0;
-    if (piece.length < vessel_length * longest_edge(mask))
+    if (piece.length < vessel_length_voxels * longest_edge(mask))
       continue;
     const auto [voxel, away] = nearest_to(locator, piece, mask);
     char text[320];
@@ -217,7 +217,7 @@ void fill_cavities(vtkImageData* indicator, const Mask& mask, std::vector<Repair
   const int outside = rank_at(ranks, {extent[0], extent[2], extent[4]}); // the first voxel lies in the margin
   std::size_t filled = 0;
   Voxel last{};
-  visit(ranks, [&](const Voxel& v) {
+  for_each_voxel(ranks, [&](const Voxel& v) {
     if (const int rank = rank_at(ranks, v); rank == 0 || rank == outside)
       return;
     *static_cast<float*>(indicator->GetScalarPointer(v[0], v[1], v[2])) = 1;
@@ -230,7 +230,7 @@ void fill_cavities(vtkImageData* indicator, const Mask& mask, std::vector<Repair
   repairs.push_back({"cavities of the mask filled", filled,
                      std::to_string(filled) + " voxels that the label encloses, one at " + at +
                          ". They count as blood; open a cavity of calcium at the wall to the outside in the mask",
-                     filled > noise});
+                     filled > noise_voxels});
 }
 
 } // namespace anatomy

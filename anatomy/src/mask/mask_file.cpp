@@ -28,13 +28,14 @@ namespace {
 
 using common::InputError;
 
-constexpr double smoothing = 0.85; // voxels: standard deviation of the narrower Gaussian
-constexpr double kernel_reach = 4; // standard deviations at which a Gaussian kernel is cut off
-constexpr int padding = 8;         // voxels: margin round the label, as the wider kernel reaches 2 * 0.85 * 4 = 6.8
-constexpr double fragment = 0.01;  // share of the largest piece's triangles: a smaller piece is a spur of a few voxels
-constexpr std::size_t fewest_faces = 4; // voxel faces shared with other labels: fewer give no warning
-constexpr double of_the_wall = 0.2;     // share of the label's outer faces: labels that touch more are its wall
-constexpr double flattest = 1e-6; // least volume of a voxel over the product of its edges; skewed voxels have far more
+constexpr double smoothing = 0.85;  // voxels: standard deviation of the narrower Gaussian
+constexpr double kernel_reach = 4;  // standard deviations at which a Gaussian kernel is cut off
+constexpr int padding = 8;          // voxels: margin round the label, as the wider kernel reaches 2 * 0.85 * 4 = 6.8
+constexpr double spur_share = 0.01; // share of the largest piece's triangles: a smaller piece is a spur of a few voxels
+constexpr std::size_t fewest_contact_faces = 4; // voxel faces shared with other labels: fewer give no warning
+constexpr double wall_contact_share = 0.2;      // share of the label's outer faces: labels that touch more are its wall
+constexpr double flattest_voxel =
+    1e-6; // least volume of a voxel over the product of its edges; skewed voxels have far more
 
 std::string suffix_of(const std::string& path) {
   std::string lower = path;
@@ -87,7 +88,7 @@ vtkSmartPointer<vtkImageData> indicator_of(vtkImageData* labels, int label) {
 // Number of voxels along each axis into which every segmented voxel was divided afterwards; 1 if none was. In a divided
 // mask the borders of the label along an axis are multiples of this number apart. The smallest of the three axes
 // counts.
-int divided_by(vtkImageData* indicator) {
+int voxel_division(vtkImageData* indicator) {
   const int* extent = indicator->GetExtent();
   std::array<int, 3> common{0, 0, 0}, first{-1, -1, -1};
   for (int k = extent[4] + 1; k <= extent[5]; ++k)
@@ -193,7 +194,7 @@ void check_one_piece(vtkPolyData* surface, const Mask& mask, const std::string& 
   for (int r = 1; r < pieces->GetNumberOfExtractedRegions(); ++r)
     largest = count(r) > count(largest) ? r : largest;
   for (int r = 0; r < pieces->GetNumberOfExtractedRegions(); ++r) {
-    if (r == largest || count(r) < fragment * count(largest))
+    if (r == largest || count(r) < spur_share * count(largest))
       continue;
     const Eigen::Vector3d x = nearest_between(pieces->GetOutput(), r, largest);
     throw InputError(
@@ -236,7 +237,7 @@ void report_neighbours(vtkImageData* labels, int label, std::vector<Repair>& rep
     others += (others.empty() ? "" : ", ") + std::to_string(other);
     faces += count;
   }
-  if (faces < fewest_faces || static_cast<double>(faces) > of_the_wall * static_cast<double>(all))
+  if (faces < fewest_contact_faces || static_cast<double>(faces) > wall_contact_share * static_cast<double>(all))
     return;
   repairs.push_back({"the lumen's label touches others", touching.size(),
                      "label " + std::to_string(label) + " goes on into " + others +
@@ -294,7 +295,7 @@ Mask read_mask(const std::string& path) {
     read(*reader);
   }
   const double box = mask.to_file.topLeftCorner<3, 3>().colwise().norm().prod();
-  if (!(std::abs(mask.to_file.determinant()) > flattest * box))
+  if (!(std::abs(mask.to_file.determinant()) > flattest_voxel * box))
     throw InputError("the mask's header gives its voxels no volume", path,
                      "voxels of " + std::to_string(mask.to_file.determinant()) + " in the cube of the file's unit",
                      "export the mask again, with its voxels' edges and directions");
@@ -314,7 +315,7 @@ vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, const std::vecto
                                               const std::optional<Vec3>& inlet, std::vector<Repair>& repairs) {
   const int chosen = join_labels(vtkIntArray::SafeDownCast(mask.labels->GetPointData()->GetScalars()), wanted, path);
   const auto indicator = indicator_of(mask.labels, chosen);
-  const int divided = divided_by(indicator);
+  const int divided = voxel_division(indicator);
   if (divided > 1)
     repairs.push_back({"voxels of the mask are divided", static_cast<std::size_t>(divided),
                        "along each axis; errors are stated for the undivided ones"});

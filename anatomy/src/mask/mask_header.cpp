@@ -19,8 +19,9 @@ namespace {
 
 using common::InputError;
 using Fields = std::map<std::string, std::string>;
-constexpr std::uintmax_t best_packing = 1100; // largest ratio of voxel bytes to packed bytes; deflate's limit is 1032
-constexpr std::size_t longest_key = 200;      // characters; VTK's reader of MetaImage overruns its memory from 255 on
+constexpr std::uintmax_t largest_packing_ratio =
+    1100;                                // largest ratio of voxel bytes to packed bytes; deflate's limit is 1032
+constexpr std::size_t longest_key = 200; // characters; VTK's reader of MetaImage overruns its memory from 255 on
 
 bool is_text(const std::string& line) {
   return std::none_of(line.begin(), line.end(),
@@ -142,7 +143,7 @@ void check_length(const std::filesystem::path& header, const std::string& data, 
   const std::filesystem::path file = data.empty() ? header : header.parent_path() / data;
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error || (packed ? best_packing * size : size) < bytes)
+  if (error || (packed ? largest_packing_ratio * size : size) < bytes)
     throw InputError("the mask is incomplete", file.string(),
                      (error ? "no such file" : std::to_string(size) + " bytes") + ", the header promises " +
                          std::to_string(bytes),

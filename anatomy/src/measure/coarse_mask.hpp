@@ -6,8 +6,8 @@ namespace anatomy {
 
 /// The size and the source of the voxels in which a lumen was segmented.
 struct Voxels {
-  double edge = 0;      ///< mm, a voxel's longest edge; 0: not known
-  bool of_mask = false; ///< whether a mask file gives it; else it was inferred from the vertices of a surface
+  double edge = 0;        ///< mm, a voxel's longest edge; 0: not known
+  bool from_mask = false; ///< whether a mask file gives it; else it was inferred from the vertices of a surface
 };
 
 /// Appends a note if sections have a radius below fewest_voxels voxel edges, with the place and radius of the
@@ -17,7 +17,7 @@ void note_few_voxels(const std::vector<Branch>& branches, const std::vector<Sect
                      const std::vector<Lesion>& lesions, const Voxels& voxels, std::vector<Repair>& notes);
 
 /// A line of text that states the error of thin lumens' areas by these voxels; empty if no voxels are known.
-std::string line_of(const Voxels& voxels);
+std::string area_error_line(const Voxels& voxels);
 
 /// Sets each lesion's mla_error: the possible error (per cent) of its smallest area by the voxels.
 void set_area_errors(std::vector<Lesion>& lesions, const Voxels& voxels);

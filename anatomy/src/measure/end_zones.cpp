@@ -4,18 +4,18 @@
 namespace anatomy {
 namespace {
 
-constexpr double wide_end = 1.1;      // diameter at an end over the reference, from which a warning is given
-constexpr double close = 2.5;         // reference radii: a lesion nearer to an end counts as beside it
-constexpr double narrowed = 20;       // per cent diameter stenosis at an end, from which a warning is given
-constexpr double still_narrowing = 5; // percentage points by which the next measured section is less narrowed
+constexpr double wide_end_ratio = 1.1;       // diameter at an end over the reference, from which a warning is given
+constexpr double near_end_radii = 2.5;       // reference radii: a lesion nearer to an end counts as beside it
+constexpr double least_end_stenosis = 20;    // per cent diameter stenosis at an end, from which a warning is given
+constexpr double least_further_stenosis = 5; // percentage points by which the next measured section is less narrowed
 
-struct Widest {
+struct WidestPlace {
   double s = 0, diameter = 0, ratio = 0;
 };
 
 // Of the inscribed balls between two arc lengths (mm), the one with the largest ratio of diameter to reference.
-Widest widest_between(const Branch& branch, const ReferenceProfile& profile, double from, double to) {
-  Widest best;
+WidestPlace widest_between(const Branch& branch, const ReferenceProfile& profile, double from, double to) {
+  WidestPlace best;
   for (std::size_t i = 0; i < branch.s.size(); ++i) {
     const double s = branch.s[i], diameter = 2 * branch.radius[i], ratio = diameter / profile.diameter(s);
     if (s >= from && s <= to && ratio > best.ratio)
@@ -40,10 +40,12 @@ void note_wide_ends(const std::vector<Branch>& branches, const std::vector<Refer
   for (const Lesion& lesion : lesions) {
     const Branch& branch = branches[lesion.branch];
     const ReferenceProfile& profile = profiles[lesion.branch];
-    const auto is_close = [&](double s, double end) { return std::abs(s - end) < close * profile.diameter(s) / 2; };
+    const auto is_close = [&](double s, double end) {
+      return std::abs(s - end) < near_end_radii * profile.diameter(s) / 2;
+    };
     const auto note = [&](double from, double to) {
-      const Widest end = widest_between(branch, profile, from, to);
-      if (end.ratio < wide_end)
+      const WidestPlace end = widest_between(branch, profile, from, to);
+      if (end.ratio < wide_end_ratio)
         return;
       char detail[256];
       std::snprintf(
@@ -65,10 +67,10 @@ void note_narrow_ends(const std::vector<Branch>& branches, const std::vector<Sec
                       const std::vector<ReferenceProfile>& profiles, std::vector<Repair>& notes) {
   for (std::size_t b = 0; b < branches.size(); ++b) {
     const Branch& branch = branches[b];
-    const std::vector<Calibre> measured = calibres(branches, sections, b);
+    const std::vector<DiameterSample> measured = diameter_samples(branches, sections, b);
     if (measured.empty())
       continue;
-    const auto note = [&](const Calibre& next, double from, double to) {
+    const auto note = [&](const DiameterSample& next, double from, double to) {
       // The larger of two estimates counts. The ball is too small where the axis is off the lumen's centre, the section
       // where a slanted end cuts it.
       const auto stenosis = [&](double s) {
@@ -82,7 +84,7 @@ void note_narrow_ends(const std::vector<Branch>& branches, const std::vector<Sec
           worst = stenosis(s);
           at = s;
         }
-      if (worst < narrowed || worst < stenosis(next.s) + still_narrowing)
+      if (worst < least_end_stenosis || worst < stenosis(next.s) + least_further_stenosis)
         return;
       char detail[256];
       std::snprintf(

@@ -3,11 +3,11 @@
 namespace anatomy {
 namespace {
 
-constexpr double fused_width = 1.15; // equivalent diameter over the reference, at least
-constexpr double flat = 1.8;         // longest over shortest chord, at least; slit lesions are as flat, but narrow
+constexpr double fused_width_ratio = 1.15; // equivalent diameter over the reference, at least
+constexpr double fused_flatness = 1.8; // longest over shortest chord, at least; slit lesions are as flat, but narrow
 constexpr double least_fused_length = 3.0; // mm, of a stretch of such sections
 
-double flattest_of(const std::vector<const Section*>& stretch) {
+double largest_flatness(const std::vector<const Section*>& stretch) {
   double most = 0;
   for (const Section* section : stretch)
     most = std::max(most, section->max_diameter / section->min_diameter);
@@ -29,7 +29,7 @@ void note_fused_vessels(const std::vector<Branch>& branches, const std::vector<S
             detail, sizeof detail,
             "%s from %.1f to %.1f mm along it: sections up to %.1f times as long as wide, such as %.1f x %.1f "
             "mm, and wider than the reference of %.2f mm. A lesion there is not seen; separate the vessels",
-            branches[b].name.c_str(), s_of(stretch.front()), s_of(stretch.back()), flattest_of(stretch),
+            branches[b].name.c_str(), s_of(stretch.front()), s_of(stretch.back()), largest_flatness(stretch),
             middle.max_diameter, middle.min_diameter, profiles[b].diameter(s_of(&middle)));
         notes.push_back({"another vessel may be fused to the lumen", 1, detail, true});
       }
@@ -38,8 +38,8 @@ void note_fused_vessels(const std::vector<Branch>& branches, const std::vector<S
     for (const Section& section : sections) {
       if (section.branch != b)
         continue;
-      const bool fused = section.flag == "ok" && section.max_diameter > flat * section.min_diameter &&
-                         section.equivalent_diameter() > fused_width * profiles[b].diameter(s_of(&section));
+      const bool fused = section.flag == "ok" && section.max_diameter > fused_flatness * section.min_diameter &&
+                         section.equivalent_diameter() > fused_width_ratio * profiles[b].diameter(s_of(&section));
       if (fused)
         stretch.push_back(&section);
       else

@@ -5,34 +5,35 @@
 namespace anatomy {
 namespace {
 
-constexpr double shortest = 1.0; // mm, least length of a lesion that is not severe
-constexpr double severe = 50;    // per cent: noise does not halve a diameter, so such a lesion counts at any length
-constexpr double alike = 0.03;   // relative difference up to which two sections count as equally narrow
+constexpr double least_mild_length = 1.0; // mm, least length of a lesion that is not severe
+constexpr double severe_stenosis =
+    50; // per cent: noise does not halve a diameter, so such a lesion counts at any length
+constexpr double equal_stenosis_share = 0.03; // relative difference up to which two sections count as equally narrow
 
-using Part = std::vector<Calibre>;
+using SectionRun = std::vector<DiameterSample>;
 
 // Diameter stenosis of a section against the reference, per cent.
-double stenosis(const Calibre& sample, const ReferenceProfile& profile) {
+double stenosis(const DiameterSample& sample, const ReferenceProfile& profile) {
   return 100 * (1 - sample.diameter / profile.diameter(sample.s));
 }
 
 // Index of the section at which a stretch splits into two narrowings, one before and one behind it; 0 if it does not
 // split. Of all sections it has the least ratio of its own stenosis to that of the milder narrowing. This ratio is at
 // most one half. Sections at a side branch's mouth do not count, as the mouth widens them.
-std::size_t recovery(const Part& part, const ReferenceProfile& profile) {
-  std::vector<double> lacking(part.size()), behind(part.size());
-  for (std::size_t i = 0; i < part.size(); ++i)
-    lacking[i] = stenosis(part[i], profile);
+std::size_t find_recovery(const SectionRun& run, const ReferenceProfile& profile) {
+  std::vector<double> lacking(run.size()), behind(run.size());
+  for (std::size_t i = 0; i < run.size(); ++i)
+    lacking[i] = stenosis(run[i], profile);
   double worst = 0;
-  for (std::size_t i = part.size(); i-- > 0;)
+  for (std::size_t i = run.size(); i-- > 0;)
     behind[i] = worst = std::max(worst, lacking[i]);
   std::size_t best = 0;
-  double least = 1 - recovered;
+  double least = 1 - split_recovery;
   worst = 0;
-  for (std::size_t i = 0; i < part.size(); ++i) {
+  for (std::size_t i = 0; i < run.size(); ++i) {
     worst = std::max(worst, lacking[i]);
     const double lesser = std::min(worst, behind[i]);
-    if (!part[i].mouth && lesser >= least_stenosis && lacking[i] <= least * lesser) {
+    if (!run[i].in_mouth && lesser >= least_stenosis && lacking[i] <= least * lesser) {
       least = lacking[i] / lesser;
       best = i;
     }
@@ -40,36 +41,36 @@ std::size_t recovery(const Part& part, const ReferenceProfile& profile) {
   return best;
 }
 
-std::vector<Part> narrowings(const Part& part, const ReferenceProfile& profile) {
-  const std::size_t at = recovery(part, profile);
+std::vector<SectionRun> narrowings(const SectionRun& run, const ReferenceProfile& profile) {
+  const std::size_t at = find_recovery(run, profile);
   if (at == 0)
-    return {part};
-  const auto cut = part.begin() + static_cast<std::ptrdiff_t>(at);
-  std::vector<Part> found = narrowings({part.begin(), cut + 1}, profile);
-  for (Part& other : narrowings({cut, part.end()}, profile))
+    return {run};
+  const auto cut = run.begin() + static_cast<std::ptrdiff_t>(at);
+  std::vector<SectionRun> found = narrowings({run.begin(), cut + 1}, profile);
+  for (SectionRun& other : narrowings({cut, run.end()}, profile))
     found.push_back(std::move(other));
   return found;
 }
 
 // Of the sections whose ratio of diameter to reference is within 3 % of the least one, that of the smallest diameter.
-Calibre throat(const Part& part, const ReferenceProfile& profile) {
-  const auto left = [&](const Calibre& c) { return c.diameter / profile.diameter(c.s); };
-  const auto narrower = [&](const Calibre& a, const Calibre& b) { return left(a) < left(b); };
-  const double least = left(*std::min_element(part.begin(), part.end(), narrower));
-  Calibre best{0, std::numeric_limits<double>::max(), false};
-  for (const Calibre& c : part)
-    if (left(c) <= (1 + alike) * least && c.diameter < best.diameter)
+DiameterSample throat(const SectionRun& run, const ReferenceProfile& profile) {
+  const auto left = [&](const DiameterSample& c) { return c.diameter / profile.diameter(c.s); };
+  const auto narrower = [&](const DiameterSample& a, const DiameterSample& b) { return left(a) < left(b); };
+  const double least = left(*std::min_element(run.begin(), run.end(), narrower));
+  DiameterSample best{0, std::numeric_limits<double>::max(), false};
+  for (const DiameterSample& c : run)
+    if (left(c) <= (1 + equal_stenosis_share) * least && c.diameter < best.diameter)
       best = c;
   return best;
 }
 
-Lesion measured(const Part& part, const ReferenceProfile& profile, std::size_t branch) {
-  const Calibre narrowest = throat(part, profile);
+Lesion measure_lesion(const SectionRun& run, const ReferenceProfile& profile, std::size_t branch) {
+  const DiameterSample narrowest = throat(run, profile);
   Lesion lesion;
   lesion.branch = branch;
-  lesion.s_start = part.front().s;
+  lesion.s_start = run.front().s;
   lesion.s_mla = narrowest.s;
-  lesion.s_end = part.back().s;
+  lesion.s_end = run.back().s;
   lesion.mld = narrowest.diameter;
   lesion.mla = M_PI / 4 * lesion.mld * lesion.mld;
   lesion.reference = profile.diameter(lesion.s_mla);
@@ -87,20 +88,20 @@ std::vector<Lesion> find_lesions(const std::vector<Branch>& branches, const std:
                                  const std::vector<ReferenceProfile>& profiles) {
   std::vector<Lesion> lesions;
   for (std::size_t b = 0; b < branches.size(); ++b) {
-    Part part;
+    SectionRun run;
     const auto close = [&] {
-      for (const Part& one : narrowings(part, profiles[b]))
+      for (const SectionRun& one : narrowings(run, profiles[b]))
         if (one.size() > 1) {
-          const Lesion lesion = measured(one, profiles[b], b);
-          const bool is_long = lesion.s_end - lesion.s_start >= shortest;
-          if (lesion.diameter_stenosis >= (is_long ? least_stenosis : severe))
+          const Lesion lesion = measure_lesion(one, profiles[b], b);
+          const bool is_long = lesion.s_end - lesion.s_start >= least_mild_length;
+          if (lesion.diameter_stenosis >= (is_long ? least_stenosis : severe_stenosis))
             lesions.push_back(lesion);
         }
-      part.clear();
+      run.clear();
     };
-    for (const Calibre& sample : calibres(branches, sections, b))
-      if (sample.diameter < (1 - shoulder / 100) * profiles[b].diameter(sample.s))
-        part.push_back(sample);
+    for (const DiameterSample& sample : diameter_samples(branches, sections, b))
+      if (sample.diameter < (1 - shoulder_stenosis / 100) * profiles[b].diameter(sample.s))
+        run.push_back(sample);
       else
         close();
     close();

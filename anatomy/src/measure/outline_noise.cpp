@@ -19,7 +19,7 @@ double length_of(const std::vector<Vec2>& outline) {
 }
 
 // n points at equal distances along the outline of this length (mm), as complex numbers x + i y.
-std::vector<Complex> evenly(const std::vector<Vec2>& outline, std::size_t n, double length) {
+std::vector<Complex> resample_evenly(const std::vector<Vec2>& outline, std::size_t n, double length) {
   std::vector<Complex> points;
   double begin = 0;
   for (std::size_t i = 0; i < outline.size() && points.size() < n; ++i) {
@@ -39,9 +39,9 @@ std::vector<Complex> evenly(const std::vector<Vec2>& outline, std::size_t n, dou
 }
 
 // Fourier modes of n values round a closed outline. Mode m is (1/n) sum of value_k exp(-2 pi i m k / n).
-class Waves {
+class FourierModes {
 public:
-  explicit Waves(std::size_t n) {
+  explicit FourierModes(std::size_t n) {
     for (std::size_t k = 0; k < n; ++k)
       turn_.push_back(std::polar(1.0, 2 * M_PI * static_cast<double>(k) / static_cast<double>(n)));
   }
@@ -50,7 +50,7 @@ public:
     const std::ptrdiff_t at = m * static_cast<std::ptrdiff_t>(k) % n;
     return turn_[static_cast<std::size_t>(at < 0 ? at + n : at)];
   }
-  Complex of(const std::vector<Complex>& values, int m) const {
+  Complex amplitude(const std::vector<Complex>& values, int m) const {
     Complex sum = 0;
     for (std::size_t k = 0; k < values.size(); ++k)
       sum += values[k] * std::conj(turn(m, k));
@@ -63,13 +63,13 @@ private:
 
 // Signed distance (mm) of each point from a smooth outline, along that outline's normal. The smooth outline is the sum
 // of the points' Fourier modes -(modes - 1) to modes - 1.
-std::vector<Complex> off_smooth(const std::vector<Complex>& points, const Waves& waves, int modes) {
+std::vector<Complex> distances_from_smooth(const std::vector<Complex>& points, const FourierModes& fourier, int modes) {
   std::vector<Complex> smooth(points.size()), tangent(points.size()), off;
   for (int m = 1 - modes; m < modes; ++m) {
-    const Complex wave = waves.of(points, m);
+    const Complex wave = fourier.amplitude(points, m);
     for (std::size_t k = 0; k < points.size(); ++k) {
-      smooth[k] += wave * waves.turn(m, k);
-      tangent[k] += Complex(0, m) * wave * waves.turn(m, k);
+      smooth[k] += wave * fourier.turn(m, k);
+      tangent[k] += Complex(0, m) * wave * fourier.turn(m, k);
     }
   }
   for (std::size_t k = 0; k < points.size(); ++k) {
@@ -92,14 +92,14 @@ double mean_radius_scatter(const std::vector<Vec2>& outline, double edge) {
   const int first = std::max(first_mode, static_cast<int>(std::ceil(length / (2 * wave))));
   if (last - first + 1 < fewest_modes)
     return -1;
-  const Waves waves(static_cast<std::size_t>(std::max(128, 5 * last)));
-  const std::vector<Complex> off =
-      off_smooth(evenly(outline, static_cast<std::size_t>(std::max(128, 5 * last)), length), waves, first);
+  const FourierModes fourier(static_cast<std::size_t>(std::max(128, 5 * last)));
+  const std::vector<Complex> off = distances_from_smooth(
+      resample_evenly(outline, static_cast<std::size_t>(std::max(128, 5 * last)), length), fourier, first);
   double power = 0;
   for (int m = first; m <= last; ++m) {
     // the wall is straight between its points, which weakens a wave of its noise by sinc^2
     const double x = M_PI * m * edge / length, passed = std::pow(std::sin(x) / x, 2);
-    power += std::norm(waves.of(off, m)) / (passed * passed);
+    power += std::norm(fourier.amplitude(off, m)) / (passed * passed);
   }
   return std::sqrt(power / (last - first + 1));
 }

@@ -7,31 +7,31 @@ namespace {
 
 // Exponents m of the law of forks D^m = d1^m + d2^m tried besides 2.55: Murray 1926; Huo and Kassab 2012.
 constexpr std::array<double, 2> other_exponents{3, 7.0 / 3};
-constexpr double band = 0.03;           // share of a section's diameter: a section nearer to the profile is healthy
-constexpr double too_wide = 1.08;       // ratio to the profile above which a section is wide; an ostium's may reach it
-constexpr double ruled_out = -1e9;      // score of a line that cannot be the reference
-constexpr int fewest_sections = 8;      // sections: least number for a profile, and for each of its parts
-constexpr std::size_t drawn = 80;       // sections at most, through pairs of which lines are tried
-constexpr double least_widening = 1.15; // ratio to the profile from which a section counts as dilated
-constexpr double many_more = 1.25;      // least gain in healthy sections by another reading, as a ratio
+constexpr double healthy_tolerance = 0.03; // share of a section's diameter: a section nearer to the profile is healthy
+constexpr double wide_ratio = 1.08;      // ratio to the profile above which a section is wide; an ostium's may reach it
+constexpr double ruled_out_score = -1e9; // score of a line that cannot be the reference
+constexpr int fewest_sections = 8;       // sections: least number for a profile, and for each of its parts
+constexpr std::size_t most_sampled_sections = 80; // sections at most, through pairs of which lines are tried
+constexpr double dilated_ratio = 1.15;            // ratio to the profile from which a section counts as dilated
+constexpr double least_gain_ratio = 1.25;         // least gain in healthy sections by another reading, as a ratio
 // Least ratio of the diameters behind and before a step. Into two equal branches it is 0.737 and into branches of 0.6
 // and 0.87 it is 0.6, both by D = 0.678 (d1 + d2), Finet 2007.
-constexpr double deepest_step = 0.737;  // without further knowledge
-constexpr double lesser_daughter = 0.6; // beside a closed stub or a wide branch
-constexpr double split_error = 0.1;     // share by which a step past a branch may be below the flow split's ratio
-constexpr double ectatic = 1.5;         // least width over the widest lumen beside it (definition of coronary ectasia)
-// Largest ratio of neighbouring sections' diameters on the flank of an ectasia. A taper (`steepest`) changes less: at
-// the default spacing of 0.25 mm by 0.4 % of the first diameter.
-constexpr double flank = 0.99;
+constexpr double deepest_step = 0.737;         // without further knowledge
+constexpr double deepest_step_by_branch = 0.6; // beside a closed stub or a wide branch
+constexpr double split_tolerance = 0.1; // share by which a step past a branch may be below the flow split's ratio
+constexpr double ectasia_ratio = 1.5;   // least width over the widest lumen beside it (definition of coronary ectasia)
+// Largest ratio of neighbouring sections' diameters on the flank of an ectasia. A taper (`steepest_taper`) changes
+// less: at the default spacing of 0.25 mm by 0.4 % of the first diameter.
+constexpr double ectasia_flank_ratio = 0.99;
 constexpr double least_trunk_share = 0.1; // share of D^m that side branches leave, however wide they are
 // Largest taper of the reference, as a share of its first diameter per mm. An LAD tapers by 0.005 per mm (3.7 to 1.9 mm
 // over 100 mm, Dodge 1992).
-constexpr double steepest = 0.015;
-constexpr double other_reading = 1.05; // ratio of two readings' diameters from which the other one is reported
-constexpr double noticed_side = 0.4;   // of the widest section: a smaller branch makes a step of less than 4 %
+constexpr double steepest_taper = 0.015;
+constexpr double other_reading_ratio = 1.05; // ratio of two readings' diameters from which the other one is reported
+constexpr double least_noticed_branch = 0.4; // of the widest section: a smaller branch makes a step of less than 4 %
 
 // Sum of d_k^m over the side branches that leave before s, in mm^m.
-double carried_off(const Sides& sides, double s) {
+double branch_power_sum(const SideBranches& sides, double s) {
   double sum = 0;
   for (const auto& [at, diameter] : sides.branches)
     if (at < s)
@@ -40,38 +40,39 @@ double carried_off(const Sides& sides, double s) {
 }
 
 // The diameter (mm) at s behind the side branches. `line` (mm) is the diameter as if no branch had left before s.
-double behind_sides(double line, const Sides& sides, double s) {
+double diameter_behind_branches(double line, const SideBranches& sides, double s) {
   if (sides.branches.empty())
     return line;
   const double trunk = std::pow(line, sides.exponent);
-  return std::pow(std::max(trunk - carried_off(sides, s), least_trunk_share * trunk), 1 / sides.exponent);
+  return std::pow(std::max(trunk - branch_power_sum(sides, s), least_trunk_share * trunk), 1 / sides.exponent);
 }
 
 // The sections with the diameters that they would have if no side branch had left before them.
-std::vector<Calibre> trunk_of(std::vector<Calibre> measured, const Sides& sides) {
-  for (Calibre& c : measured)
-    c.diameter = std::pow(std::pow(c.diameter, sides.exponent) + carried_off(sides, c.s), 1 / sides.exponent);
+std::vector<DiameterSample> without_branch_steps(std::vector<DiameterSample> measured, const SideBranches& sides) {
+  for (DiameterSample& c : measured)
+    c.diameter = std::pow(std::pow(c.diameter, sides.exponent) + branch_power_sum(sides, c.s), 1 / sides.exponent);
   return measured;
 }
 
-bool is_less_wide(const Calibre& a, const Calibre& b) {
+bool is_less_wide(const DiameterSample& a, const DiameterSample& b) {
   return a.diameter < b.diameter;
 }
 
-// Weight of a section as healthy: 1 on the profile (mm), falling to 0 where its diameter differs by the share `band`.
-double health(const Calibre& c, double profile) {
-  const double off = (c.diameter - profile) / (band * c.diameter);
+// Weight of a section as healthy: 1 on the profile (mm), falling to 0 where its diameter differs by the share
+// `healthy_tolerance`.
+double healthy_weight(const DiameterSample& c, double profile) {
+  const double off = (c.diameter - profile) / (healthy_tolerance * c.diameter);
   return std::max(0.0, 1 - off * off);
 }
 
 // A line, with counts of the sections by their diameters. Element k of each list counts among the first k sections:
-// `healthy` those on the line (sum of health()), `wide` those above it, `dilated` those far above it.
-struct Candidate {
+// `healthy` those on the line (sum of healthy_weight()), `wide` those above it, `dilated` those far above it.
+struct LineCandidate {
   ReferenceLine line;
   std::vector<double> healthy{0};
   std::vector<int> wide{0}, dilated{0};
 
-  double on(std::size_t a, std::size_t b) const { return healthy[b] - healthy[a]; }
+  double healthy_between(std::size_t a, std::size_t b) const { return healthy[b] - healthy[a]; }
 
   // The number of healthy sections from a to b, less the number of wide ones. The line is ruled out if 8 wide sections
   // lie before the first 8 healthy ones or behind the last 8. They are then no bulge of a healthy vessel on this line:
@@ -82,23 +83,23 @@ struct Candidate {
     };
     const int before = wide[reached(std::min(healthy[a] + fewest_sections, healthy[b]))] - wide[a];
     const int behind = wide[b] - wide[std::max(a, reached(std::max(healthy[b] - fewest_sections, healthy[a])))];
-    return before + behind < fewest_sections ? on(a, b) - (wide[b] - wide[a]) : ruled_out;
+    return before + behind < fewest_sections ? healthy_between(a, b) - (wide[b] - wide[a]) : ruled_out_score;
   }
 };
 
 // The lines that are tried: level lines, and lines through pairs of sections that narrow along the vessel by no more
-// than `steepest`.
-std::vector<Candidate> candidates(const std::vector<Calibre>& measured, const Sides& sides) {
-  const std::vector<Calibre> trunk = trunk_of(measured, sides);
-  const std::size_t every = (trunk.size() + drawn - 1) / drawn;
-  std::vector<Candidate> found;
+// than `steepest_taper`.
+std::vector<LineCandidate> candidate_lines(const std::vector<DiameterSample>& measured, const SideBranches& sides) {
+  const std::vector<DiameterSample> trunk = without_branch_steps(measured, sides);
+  const std::size_t every = (trunk.size() + most_sampled_sections - 1) / most_sampled_sections;
+  std::vector<LineCandidate> found;
   const auto add = [&](const ReferenceLine& line) {
-    Candidate one{line};
-    for (const Calibre& c : measured) {
-      const double profile = behind_sides(line.at(c.s), sides, c.s);
-      one.healthy.push_back(one.healthy.back() + health(c, profile));
-      one.wide.push_back(one.wide.back() + (!c.mouth && c.diameter > too_wide * profile));
-      one.dilated.push_back(one.dilated.back() + (!c.mouth && c.diameter > least_widening * profile));
+    LineCandidate one{line};
+    for (const DiameterSample& c : measured) {
+      const double profile = diameter_behind_branches(line.at(c.s), sides, c.s);
+      one.healthy.push_back(one.healthy.back() + healthy_weight(c, profile));
+      one.wide.push_back(one.wide.back() + (!c.in_mouth && c.diameter > wide_ratio * profile));
+      one.dilated.push_back(one.dilated.back() + (!c.in_mouth && c.diameter > dilated_ratio * profile));
     }
     found.push_back(std::move(one));
   };
@@ -109,7 +110,7 @@ std::vector<Candidate> candidates(const std::vector<Calibre>& measured, const Si
     for (std::size_t j = i + every; j < trunk.size(); j += every) {
       const double slope = (trunk[j].diameter - trunk[i].diameter) / (trunk[j].s - trunk[i].s);
       const ReferenceLine line{trunk[i].diameter - slope * trunk[i].s, slope};
-      if (slope < 0 && -slope < steepest * line.at_start && line.at(trunk.back().s) > 0)
+      if (slope < 0 && -slope < steepest_taper * line.at_start && line.at(trunk.back().s) > 0)
         add(line);
     }
   }
@@ -117,50 +118,52 @@ std::vector<Candidate> candidates(const std::vector<Calibre>& measured, const Si
 }
 
 // One line, or two lines with a step between them, and how well they suit the sections.
-struct Choice {
-  double score = ruled_out;                           // as Candidate::score()
-  double healthy = 0;                                 // number of healthy sections
-  const Candidate *line = nullptr, *behind = nullptr; // before and behind the step; `behind` is null without a step
-  std::size_t last = 0, first = 0;                    // indices of the sections at which the step begins and ends
+struct ProfileChoice {
+  double score = ruled_out_score;                         // as LineCandidate::score()
+  double healthy = 0;                                     // number of healthy sections
+  const LineCandidate *line = nullptr, *behind = nullptr; // before and behind the step; `behind` is null without a step
+  std::size_t last = 0, first = 0;                        // indices of the sections at which the step begins and ends
   std::size_t dilated = 0, narrower = 0; // indices of a dilatation's first section, and of the first behind it
 };
 
 // The line of the best score over the sections from a to b: most of them lie on it, and hardly any above it. So a
 // narrow stretch is not taken for healthy, however long, if the vessel is wide before or behind it.
-Choice plain(const std::vector<Candidate>& lines, std::size_t a, std::size_t b) {
-  Choice best;
-  for (const Candidate& one : lines)
+ProfileChoice best_line(const std::vector<LineCandidate>& lines, std::size_t a, std::size_t b) {
+  ProfileChoice best;
+  for (const LineCandidate& one : lines)
     if (const double score = one.score(a, b); score > best.score)
-      best = {score, one.on(a, b), &one};
+      best = {score, one.healthy_between(a, b), &one};
   return best;
 }
 
 // The line of the best score over the sections outside a dilatation. A dilatation has 8 healthy sections or more on
 // either side, and at least half of its own sections are wide.
-Choice beside_dilatation(const std::vector<Candidate>& lines) {
-  Choice best;
-  for (const Candidate& one : lines) {
+ProfileChoice best_line_beside_dilatation(const std::vector<LineCandidate>& lines) {
+  ProfileChoice best;
+  for (const LineCandidate& one : lines) {
     const std::vector<int>& count = one.dilated;
     const std::size_t n = count.size() - 1;
     const auto first = static_cast<std::size_t>(std::upper_bound(count.begin(), count.end(), 0) - count.begin()) - 1;
     const auto last =
         static_cast<std::size_t>(std::lower_bound(count.begin(), count.end(), count.back()) - count.begin());
-    if (first >= last || one.on(0, first) < fewest_sections || one.on(last, n) < fewest_sections ||
+    if (first >= last || one.healthy_between(0, first) < fewest_sections ||
+        one.healthy_between(last, n) < fewest_sections ||
         2 * (one.wide[last] - one.wide[first]) < static_cast<int>(last - first))
       continue;
     if (const double score = one.score(0, first) + one.score(last, n); score > best.score)
-      best = {score, one.on(0, first) + one.on(last, n), &one, nullptr, 0, 0, first, last};
+      best = {score, one.healthy_between(0, first) + one.healthy_between(last, n), &one, nullptr, 0, 0, first, last};
   }
   return best;
 }
 
-// Fits a line to the sections from a to b by least squares, with health() as their weights. `line` is the first guess.
-ReferenceLine fitted(ReferenceLine line, const std::vector<Calibre>& trunk, std::size_t a, std::size_t b) {
+// Fits a line to the sections from a to b by least squares, with healthy_weight() as their weights. `line` is the first
+// guess.
+ReferenceLine fit_line(ReferenceLine line, const std::vector<DiameterSample>& trunk, std::size_t a, std::size_t b) {
   for (int k = 0; k < 5; ++k) {
     double w = 0, ws = 0, wd = 0, wss = 0, wsd = 0;
     for (std::size_t i = a; i < b; ++i) {
-      const Calibre& c = trunk[i];
-      const double weight = std::max(health(c, line.at(c.s)), 1e-6);
+      const DiameterSample& c = trunk[i];
+      const double weight = std::max(healthy_weight(c, line.at(c.s)), 1e-6);
       w += weight;
       ws += weight * c.s;
       wd += weight * c.diameter;
@@ -169,7 +172,8 @@ ReferenceLine fitted(ReferenceLine line, const std::vector<Calibre>& trunk, std:
     }
     const double spread = wss - ws * ws / w;
     // a healthy vessel does not widen, nor does it taper as the shoulder of a lesion does
-    line.slope = spread > 1e-9 * wss ? std::clamp((wsd - ws * wd / w) / spread, -steepest * line.at_start, 0.0) : 0;
+    line.slope =
+        spread > 1e-9 * wss ? std::clamp((wsd - ws * wd / w) / spread, -steepest_taper * line.at_start, 0.0) : 0;
     line.at_start = (wd - line.slope * ws) / w;
   }
   return line;
@@ -177,20 +181,20 @@ ReferenceLine fitted(ReferenceLine line, const std::vector<Calibre>& trunk, std:
 
 // Whether a place s lies at a step of the reference from `from` to `to` (arc lengths, mm). `vessel` is the diameter
 // before the step, mm. The axes of branches that leave at a small angle part up to two diameters behind the step.
-bool is_at_a_step(double s, double from, double to, double vessel) {
+bool is_at_step(double s, double from, double to, double vessel) {
   return s > from - vessel && s < to + 2 * vessel;
 }
 
 // Whether one of the closed stubs, given by arc lengths (mm), is at this step.
-bool one_is_near(const std::vector<double>& stubs, double from, double to, double vessel) {
-  return std::any_of(stubs.begin(), stubs.end(), [&](double s) { return is_at_a_step(s, from, to, vessel); });
+bool is_stub_at_step(const std::vector<double>& stubs, double from, double to, double vessel) {
+  return std::any_of(stubs.begin(), stubs.end(), [&](double s) { return is_at_step(s, from, to, vessel); });
 }
 
 // The diameter (mm) of the widest side branch that leaves at this step; 0 if none does.
-double branch_at(const Sides& branches, double from, double to, double vessel) {
+double branch_diameter_at_step(const SideBranches& branches, double from, double to, double vessel) {
   double widest = 0;
   for (const auto& [s, diameter] : branches.branches)
-    if (is_at_a_step(s, from, to, vessel))
+    if (is_at_step(s, from, to, vessel))
       widest = std::max(widest, diameter);
   return widest;
 }
@@ -202,61 +206,65 @@ double branch_at(const Sides& branches, double from, double to, double vessel) {
 // that of the smaller of two unequal branches.
 // @param sides the branches past which the lines themselves step down
 // @param branches all side branches
-Choice stepped(const std::vector<Candidate>& lines, const std::vector<Calibre>& measured, const Sides& sides,
-               const Sides& branches, const std::vector<double>& stubs) {
+ProfileChoice best_step(const std::vector<LineCandidate>& lines, const std::vector<DiameterSample>& measured,
+                        const SideBranches& sides, const SideBranches& branches, const std::vector<double>& stubs) {
   const std::size_t n = measured.size();
-  const std::vector<Calibre> trunk = trunk_of(measured, sides);
-  const auto mostly = [](double healthy, std::size_t all) {
+  const std::vector<DiameterSample> trunk = without_branch_steps(measured, sides);
+  const auto is_mostly_healthy = [](double healthy, std::size_t all) {
     return healthy >= fewest_sections && 2 * healthy >= static_cast<double>(all);
   };
-  Choice best;
+  ProfileChoice best;
   const auto attempt = [&](std::size_t k, bool at_a_branch) {
     if (k < fewest_sections || k + fewest_sections > n)
       return;
-    const Choice before = plain(lines, 0, k), behind = plain(lines, k, n);
-    if (!mostly(before.healthy, k) || !mostly(behind.healthy, n - k) || before.score + behind.score <= best.score)
+    const ProfileChoice before = best_line(lines, 0, k), behind = best_line(lines, k, n);
+    if (!is_mostly_healthy(before.healthy, k) || !is_mostly_healthy(behind.healthy, n - k) ||
+        before.score + behind.score <= best.score)
       return;
     std::size_t last = k, first = k;
-    while (!at_a_branch && before.line->on(last - 1, k) == 0)
+    while (!at_a_branch && before.line->healthy_between(last - 1, k) == 0)
       --last;
-    while (!at_a_branch && behind.line->on(k, first + 1) == 0)
+    while (!at_a_branch && behind.line->healthy_between(k, first + 1) == 0)
       ++first;
-    const double parent = fitted(before.line->line, trunk, 0, k).at(measured[k].s);
-    const double ratio = fitted(behind.line->line, trunk, k, n).at(measured[k].s) / parent;
-    const double side = branch_at(branches, measured[last].s, measured[first].s, parent);
-    const double split = one_is_near(stubs, measured[last].s, measured[first].s, parent)
+    const double parent = fit_line(before.line->line, trunk, 0, k).at(measured[k].s);
+    const double ratio = fit_line(behind.line->line, trunk, k, n).at(measured[k].s) / parent;
+    const double side = branch_diameter_at_step(branches, measured[last].s, measured[first].s, parent);
+    const double split = is_stub_at_step(stubs, measured[last].s, measured[first].s, parent)
                              ? 0
-                             : behind_sides(parent, {{{0, side}}}, 1) / parent;
-    const double deepest = std::min(deepest_step, std::max(lesser_daughter, (1 - split_error) * split));
+                             : diameter_behind_branches(parent, {{{0, side}}}, 1) / parent;
+    const double deepest = std::min(deepest_step, std::max(deepest_step_by_branch, (1 - split_tolerance) * split));
     if (ratio >= deepest && ratio <= 1)
       best = {before.score + behind.score, before.healthy + behind.healthy, before.line, behind.line, last, first};
   };
   for (const auto& [at, diameter] : branches.branches)
-    attempt(static_cast<std::size_t>(
-                std::count_if(measured.begin(), measured.end(), [at = at](const Calibre& c) { return c.s <= at; })),
+    attempt(static_cast<std::size_t>(std::count_if(measured.begin(), measured.end(),
+                                                   [at = at](const DiameterSample& c) { return c.s <= at; })),
             true);
-  for (std::size_t k = fewest_sections; k + fewest_sections <= n; k += (n + drawn - 1) / drawn)
+  for (std::size_t k = fewest_sections; k + fewest_sections <= n;
+       k += (n + most_sampled_sections - 1) / most_sampled_sections)
     attempt(k, false);
   return best;
 }
 
-ReferenceProfile fitted(const Choice& choice, const std::vector<Calibre>& measured, const Sides& sides) {
-  const std::vector<Calibre> trunk = trunk_of(measured, sides);
+ReferenceProfile fit_profile(const ProfileChoice& choice, const std::vector<DiameterSample>& measured,
+                             const SideBranches& sides) {
+  const std::vector<DiameterSample> trunk = without_branch_steps(measured, sides);
   if (!choice.behind)
-    return {fitted(choice.line->line, trunk, 0, trunk.size()), sides, {}};
-  return {fitted(choice.line->line, trunk, 0, choice.last), sides,
+    return {fit_line(choice.line->line, trunk, 0, trunk.size()), sides, {}};
+  return {fit_line(choice.line->line, trunk, 0, choice.last), sides,
           ReferenceStep{measured[choice.last].s, measured[choice.first].s,
-                        fitted(choice.behind->line, trunk, choice.first, trunk.size())}};
+                        fit_line(choice.behind->line, trunk, choice.first, trunk.size())}};
 }
 
 // The sections without an ectasia and its flanks. An ectasia is a single stretch with at least 8 sections before and
 // behind it. Its widest section is 1.5 times as wide as any of these.
-std::vector<Calibre> without_ectasia(std::vector<Calibre> measured, const Branch& branch, std::vector<Repair>& notes) {
+std::vector<DiameterSample> without_ectasia(std::vector<DiameterSample> measured, const Branch& branch,
+                                            std::vector<Repair>& notes) {
   const std::size_t all = measured.size();
-  Calibre widest{};
+  DiameterSample widest{};
   while (std::ssize(measured) > 2 * fewest_sections) {
-    const Calibre peak = *std::max_element(measured.begin(), measured.end(), is_less_wide);
-    const auto wide = [&](const Calibre& c) { return c.diameter >= peak.diameter / ectatic; };
+    const DiameterSample peak = *std::max_element(measured.begin(), measured.end(), is_less_wide);
+    const auto wide = [&](const DiameterSample& c) { return c.diameter >= peak.diameter / ectasia_ratio; };
     const auto first = std::find_if(measured.begin(), measured.end(), wide);
     const auto last = std::find_if(measured.rbegin(), measured.rend(), wide).base();
     if (first - measured.begin() < fewest_sections || measured.end() - last < fewest_sections ||
@@ -265,9 +273,9 @@ std::vector<Calibre> without_ectasia(std::vector<Calibre> measured, const Branch
     if (measured.size() == all)
       widest = peak;
     auto from = first, to = last;
-    while (from != measured.begin() && (from - 1)->diameter < flank * from->diameter)
+    while (from != measured.begin() && (from - 1)->diameter < ectasia_flank_ratio * from->diameter)
       --from;
-    while (to != measured.end() && to->diameter < flank * (to - 1)->diameter)
+    while (to != measured.end() && to->diameter < ectasia_flank_ratio * (to - 1)->diameter)
       ++to;
     measured.erase(from, to);
   }
@@ -280,7 +288,7 @@ std::vector<Calibre> without_ectasia(std::vector<Calibre> measured, const Branch
   return measured;
 }
 
-void note_dilatation(const Choice& choice, const std::vector<Calibre>& measured, const Branch& branch,
+void note_dilatation(const ProfileChoice& choice, const std::vector<DiameterSample>& measured, const Branch& branch,
                      const ReferenceProfile& profile, std::vector<Repair>& notes) {
   const auto first = measured.begin() + static_cast<long>(choice.dilated);
   const auto last = measured.begin() + static_cast<long>(choice.narrower) - 1;
@@ -291,11 +299,11 @@ void note_dilatation(const Choice& choice, const std::vector<Calibre>& measured,
   notes.push_back({"dilatation left out of the reference", 1, detail, true});
 }
 
-void note_step(const Choice& choice, const std::vector<Calibre>& measured, const Branch& branch,
-               const ReferenceProfile& profile, const Sides& branches, std::vector<Repair>& notes) {
+void note_step(const ProfileChoice& choice, const std::vector<DiameterSample>& measured, const Branch& branch,
+               const ReferenceProfile& profile, const SideBranches& branches, std::vector<Repair>& notes) {
   const double from = profile.step->from, to = profile.step->to;
   const double before = profile.diameter(measured[choice.last - 1].s), behind = profile.diameter(to);
-  if (behind > (1 - 2 * band) * before || branch_at(branches, from, to, before) > 0)
+  if (behind > (1 - 2 * healthy_tolerance) * before || branch_diameter_at_step(branches, from, to, before) > 0)
     return;
   char detail[256];
   std::snprintf(
@@ -308,20 +316,22 @@ void note_step(const Choice& choice, const std::vector<Calibre>& measured, const
 
 // Warns of another reading: a line that twice as many sections lie on as on the profile, and half of all sections. It
 // is not the reference because too many sections are wider.
-void note_other_reading(const std::vector<Candidate>& lines, double healthy, const std::vector<Calibre>& measured,
-                        const Branch& branch, const Sides& sides, const ReferenceProfile& profile,
-                        std::vector<Repair>& notes) {
+void note_other_reading(const std::vector<LineCandidate>& lines, double healthy,
+                        const std::vector<DiameterSample>& measured, const Branch& branch, const SideBranches& sides,
+                        const ReferenceProfile& profile, std::vector<Repair>& notes) {
   const std::size_t n = measured.size();
-  const Candidate& other = *std::max_element(
-      lines.begin(), lines.end(), [n](const Candidate& a, const Candidate& b) { return a.on(0, n) < b.on(0, n); });
-  const double most = other.on(0, n);
+  const LineCandidate& other =
+      *std::max_element(lines.begin(), lines.end(), [n](const LineCandidate& a, const LineCandidate& b) {
+        return a.healthy_between(0, n) < b.healthy_between(0, n);
+      });
+  const double most = other.healthy_between(0, n);
   if (most < 2 * healthy || 2 * most < static_cast<double>(n))
     return;
   // the section on the other line at which the two readings differ most
-  double widest = other_reading, s = 0, narrower = 0;
+  double widest = other_reading_ratio, s = 0, narrower = 0;
   for (std::size_t i = 0; i < n; ++i)
-    if (const double at = measured[i].s, by_other = behind_sides(other.line.at(at), sides, at);
-        other.on(i, i + 1) > 0.5 && profile.diameter(at) > widest * by_other) {
+    if (const double at = measured[i].s, by_other = diameter_behind_branches(other.line.at(at), sides, at);
+        other.healthy_between(i, i + 1) > 0.5 && profile.diameter(at) > widest * by_other) {
       widest = profile.diameter(at) / by_other;
       s = at;
       narrower = by_other;
@@ -340,16 +350,16 @@ void note_other_reading(const std::vector<Candidate>& lines, double healthy, con
 // The sets of side branches past which the reference may step down: all, none, all by another exponent, and all but
 // one. The branch left out may bring blood, as a graft does, or carry no flow.
 // @param widest diameter of the widest section, mm
-std::vector<Sides> flow_splits_of(const Sides& sides, double widest) {
-  std::vector<Sides> splits{sides};
+std::vector<SideBranches> flow_splits_to_try(const SideBranches& sides, double widest) {
+  std::vector<SideBranches> splits{sides};
   if (!sides.branches.empty())
     splits.push_back({});
   if (std::any_of(sides.branches.begin(), sides.branches.end(),
-                  [&](const auto& side) { return side.second > noticed_side * widest; }))
+                  [&](const auto& side) { return side.second > least_noticed_branch * widest; }))
     for (double exponent : other_exponents)
       splits.push_back({sides.branches, exponent});
   for (std::size_t k = 0; sides.branches.size() > 1 && k < sides.branches.size(); ++k)
-    if (sides.branches[k].second > noticed_side * widest) {
+    if (sides.branches[k].second > least_noticed_branch * widest) {
       splits.push_back(sides);
       splits.back().branches.erase(splits.back().branches.begin() + static_cast<std::ptrdiff_t>(k));
     }
@@ -357,8 +367,8 @@ std::vector<Sides> flow_splits_of(const Sides& sides, double widest) {
 }
 
 // Warns of a branch past which the reference does not step while it steps past others.
-void note_left_out(const Sides& sides, const Sides& branches, const Branch& branch, const ReferenceProfile& profile,
-                   std::vector<Repair>& notes) {
+void note_skipped_branch(const SideBranches& sides, const SideBranches& branches, const Branch& branch,
+                         const ReferenceProfile& profile, std::vector<Repair>& notes) {
   if (sides.branches.empty() || sides.branches.size() == branches.branches.size())
     return;
   const auto at = std::mismatch(sides.branches.begin(), sides.branches.end(), branches.branches.begin()).second;
@@ -374,46 +384,47 @@ void note_left_out(const Sides& sides, const Sides& branches, const Branch& bran
 // score without these steps is better by more than 8 sections. Other readings need a quarter more healthy sections: a
 // dilatation, another exponent, a branch without its step, a step of another size.
 // @param stubs arc lengths of the closed stubs on this branch, mm
-ReferenceProfile profile_of(const std::vector<Calibre>& measured, const Branch& branch, const Sides& branches,
-                            const std::vector<double>& stubs, std::vector<Repair>& notes) {
+ReferenceProfile best_profile(const std::vector<DiameterSample>& measured, const Branch& branch,
+                              const SideBranches& branches, const std::vector<double>& stubs,
+                              std::vector<Repair>& notes) {
   const std::size_t n = measured.size();
-  const std::vector<Sides> flow_splits =
-      flow_splits_of(branches, std::max_element(measured.begin(), measured.end(), is_less_wide)->diameter);
-  std::vector<std::vector<Candidate>> lines;
-  for (const Sides& sides : flow_splits)
-    lines.push_back(candidates(measured, sides));
-  Choice best;
+  const std::vector<SideBranches> flow_splits =
+      flow_splits_to_try(branches, std::max_element(measured.begin(), measured.end(), is_less_wide)->diameter);
+  std::vector<std::vector<LineCandidate>> lines;
+  for (const SideBranches& sides : flow_splits)
+    lines.push_back(candidate_lines(measured, sides));
+  ProfileChoice best;
   std::size_t split = 0;
   const std::size_t all_or_none = branches.branches.empty() ? 1 : 2; // number of flow_splits with all branches or none
   const auto whole = static_cast<std::size_t>(                       // number of those without a single branch left out
-      std::count_if(flow_splits.begin(), flow_splits.end(), [&](const Sides& one) {
+      std::count_if(flow_splits.begin(), flow_splits.end(), [&](const SideBranches& one) {
         return one.branches.empty() || one.branches.size() == branches.branches.size();
       }));
-  const auto take = [&](const auto& choice, std::size_t splits) {
-    const Choice before = best;
+  const auto take_if_better = [&](const auto& choice, std::size_t splits) {
+    const ProfileChoice before = best;
     for (std::size_t k = 0; k < splits; ++k)
-      if (const Choice one = choice(k);
-          one.score > best.score + (k > 0 ? fewest_sections : 0) && one.healthy >= many_more * before.healthy) {
+      if (const ProfileChoice one = choice(k);
+          one.score > best.score + (k > 0 ? fewest_sections : 0) && one.healthy >= least_gain_ratio * before.healthy) {
         best = one;
         split = k;
       }
   };
-  take([&](std::size_t k) { return plain(lines[k], 0, n); }, all_or_none);
-  take([&](std::size_t k) { return beside_dilatation(lines[k]); }, all_or_none);
-  take([&](std::size_t k) { return plain(lines[k], 0, n); }, lines.size());
-  take([&](std::size_t k) { return stepped(lines[k], measured, flow_splits[k], branches, stubs); }, whole);
-  const ReferenceProfile profile = fitted(best, measured, flow_splits[split]);
+  take_if_better([&](std::size_t k) { return best_line(lines[k], 0, n); }, all_or_none);
+  take_if_better([&](std::size_t k) { return best_line_beside_dilatation(lines[k]); }, all_or_none);
+  take_if_better([&](std::size_t k) { return best_line(lines[k], 0, n); }, lines.size());
+  take_if_better([&](std::size_t k) { return best_step(lines[k], measured, flow_splits[k], branches, stubs); }, whole);
+  const ReferenceProfile profile = fit_profile(best, measured, flow_splits[split]);
   if (best.behind)
     note_step(best, measured, branch, profile, branches, notes);
   else if (best.narrower > 0)
     note_dilatation(best, measured, branch, profile, notes);
-  note_left_out(flow_splits[split], branches, branch, profile, notes);
+  note_skipped_branch(flow_splits[split], branches, branch, profile, notes);
   note_other_reading(lines[split], best.healthy, measured, branch, flow_splits[split], profile, notes);
   return profile;
 }
 
 // A constant profile: twice the median of the inscribed radii.
-ReferenceProfile constant(const Branch& branch) {
+ReferenceProfile constant_profile(const Branch& branch) {
   std::vector<double> radius = branch.radius;
   std::nth_element(radius.begin(), radius.begin() + static_cast<long>(radius.size() / 2), radius.end());
   return {{2 * radius[radius.size() / 2], 0}, {}, {}};
@@ -427,12 +438,12 @@ double ReferenceProfile::diameter(double s) const {
     healthy = step->line.at(s);
   else if (step && s > step->from)
     healthy = std::lerp(line.at(step->from), step->line.at(step->to), (s - step->from) / (step->to - step->from));
-  return behind_sides(healthy, sides, s);
+  return diameter_behind_branches(healthy, sides, s);
 }
 
-std::vector<Calibre> calibres(const std::vector<Branch>& branches, const std::vector<Section>& sections,
-                              std::size_t branch) {
-  std::vector<Calibre> out;
+std::vector<DiameterSample> diameter_samples(const std::vector<Branch>& branches, const std::vector<Section>& sections,
+                                             std::size_t branch) {
+  std::vector<DiameterSample> out;
   for (const Section& section : sections)
     if (section.branch == branch && section.flag != "end")
       out.push_back({branches[branch].s[section.sample], section.equivalent_diameter(), section.flag == "ostium"});
@@ -456,13 +467,14 @@ std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& bran
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return generation(a) > generation(b); });
   for (std::size_t b : order) {
-    const std::vector<Calibre> measured = without_ectasia(calibres(branches, sections, b), branches[b], notes);
+    const std::vector<DiameterSample> measured =
+        without_ectasia(diameter_samples(branches, sections, b), branches[b], notes);
     if (std::ssize(measured) < fewest_sections) {
-      profiles[b] = constant(branches[b]);
+      profiles[b] = constant_profile(branches[b]);
       notes.push_back({"constant reference diameter", 1, branches[b].name + " is too short for a profile"});
       continue;
     }
-    Sides sides;
+    SideBranches sides;
     for (std::size_t k = 0; k < branches.size(); ++k)
       if (branches[k].parent == static_cast<int>(b))
         sides.branches.emplace_back(branches[k].s_on_parent, profiles[k].diameter(branches[k].s_outside));
@@ -470,7 +482,7 @@ std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& bran
     for (const ClosedStub& stub : stubs)
       if (stub.branch == b)
         stubs_here.push_back(stub.s);
-    profiles[b] = profile_of(measured, branches[b], sides, stubs_here, notes);
+    profiles[b] = best_profile(measured, branches[b], sides, stubs_here, notes);
   }
   return profiles;
 }

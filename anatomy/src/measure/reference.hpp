@@ -18,7 +18,7 @@ struct ReferenceStep {
 };
 
 /// The side branches past which a reference steps down, and the exponent m of the steps.
-struct Sides {
+struct SideBranches {
   /// (s_k, d_k), mm: where branch k leaves, and its diameter; empty where the diameters show no such steps.
   std::vector<std::pair<double, double>> branches;
   double exponent = 2.55; ///< by which the flow is split, or 3 (Murray 1926), or 7/3 (Huo and Kassab 2012)
@@ -28,7 +28,7 @@ struct Sides {
 /// side branch k of diameter d_k at s_k. D^m = line(s)^m - sum of d_k^m over s_k < s.
 struct ReferenceProfile {
   ReferenceLine line;
-  Sides sides;
+  SideBranches sides;
   std::optional<ReferenceStep> step{}; ///< a further step, whose size follows from the sections
   double diameter(double s) const;     ///< mm, at arc length s (mm)
 };
@@ -53,13 +53,13 @@ std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& bran
                                                  const std::vector<ClosedStub>& stubs = {});
 
 /// A section away from the ends: arc length and equivalent diameter (mm), and whether a side branch's mouth widens it.
-struct Calibre {
+struct DiameterSample {
   double s, diameter;
-  bool mouth;
+  bool in_mouth;
 };
 
 /// The sections of one branch away from the ends (flag ok or ostium), in their order along it.
-std::vector<Calibre> calibres(const std::vector<Branch>& branches, const std::vector<Section>& sections,
-                              std::size_t branch);
+std::vector<DiameterSample> diameter_samples(const std::vector<Branch>& branches, const std::vector<Section>& sections,
+                                             std::size_t branch);
 
 } // namespace anatomy

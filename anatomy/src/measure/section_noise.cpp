@@ -10,23 +10,23 @@ constexpr double usual_radius = 1.5;        // mm, at which the noise is stated
 constexpr std::size_t fewest_for_noise = 5; // sections: fewer give no estimate of the noise
 constexpr Eigen::Index shortest_run = 8;    // sections: the areas of a branch with fewer are not smoothed
 // Mallows' C_p charges each degree of freedom; a higher price guards against fits to chance (Kim & Gu 2004).
-constexpr double caution = 1.4; // factor of the price
+constexpr double price_factor = 1.4; // factor of the price
 // Degrees of freedom of a profile that bends twice. With few sections its price rises as in the corrected AIC (Hurvich
 // & Tsai 1989).
-constexpr double bends_twice = 5;
-constexpr int width = 3; // bands of the penalty matrix on either side of its diagonal
+constexpr double double_bend_freedom = 5;
+constexpr int penalty_bands = 3; // bands of the penalty matrix on either side of its diagonal
 
 using Sparse = Eigen::SparseMatrix<double>;
 
 // Sections along one branch, with their equivalent radii (mm) and weights, one for each sample of the axis. The weight
 // is 0 if a section is missing or clipped at an ostium.
-struct Profile {
+struct RadiusProfile {
   std::vector<Section*> section;
   Eigen::VectorXd radius, weight;
 };
 
-Profile radii_along(std::vector<Section>& sections, std::size_t branch) {
-  Profile profile;
+RadiusProfile radii_along(std::vector<Section>& sections, std::size_t branch) {
+  RadiusProfile profile;
   std::size_t first = 0;
   for (Section& section : sections) {
     if (section.branch != branch || section.flag == "end")
@@ -61,22 +61,22 @@ Sparse third_differences(Eigen::Index n) {
   return d;
 }
 
-// Diagonal of the inverse of L D L^T, where L has the bandwidth `width`. Computed from the last row upwards (Erisman &
-// Tinney 1975).
+// Diagonal of the inverse of L D L^T, where L has the bandwidth `penalty_bands`. Computed from the last row upwards
+// (Erisman & Tinney 1975).
 Eigen::VectorXd inverse_diagonal(const Sparse& l, const Eigen::VectorXd& d) {
   const Eigen::Index n = d.size();
-  Eigen::MatrixXd z = Eigen::MatrixXd::Zero(n + width, width + 1),
+  Eigen::MatrixXd z = Eigen::MatrixXd::Zero(n + penalty_bands, penalty_bands + 1),
                   low = z; // z(i, k): element (i, i + k) of the inverse
   for (int j = 0; j < l.outerSize(); ++j)
     for (Sparse::InnerIterator it(l, j); it; ++it)
       if (it.row() > j)
         low(j, it.row() - j) = it.value();
   for (Eigen::Index i = n; i-- > 0;) {
-    for (Eigen::Index k = width; k > 0; --k)
-      for (Eigen::Index j = 1; j <= width; ++j)
+    for (Eigen::Index k = penalty_bands; k > 0; --k)
+      for (Eigen::Index j = 1; j <= penalty_bands; ++j)
         z(i, k) -= low(i, j) * z(i + std::min(j, k), std::abs(j - k));
     z(i, 0) = 1 / d(i);
-    for (Eigen::Index j = 1; j <= width; ++j)
+    for (Eigen::Index j = 1; j <= penalty_bands; ++j)
       z(i, 0) -= low(i, j) * z(i, j);
   }
   return z.col(0).head(n);
@@ -97,13 +97,13 @@ Eigen::VectorXd line_through(const Eigen::VectorXd& y, const Eigen::VectorXd& w)
 // a parabola, so a straight line competes as well.
 // @param stride in samples
 // @param sigma standard deviation of a radius of 1.5 mm by noise, mm
-Eigen::VectorXd smoothed(const Profile& profile, Eigen::Index stride, double sigma) {
+Eigen::VectorXd smoothed(const RadiusProfile& profile, Eigen::Index stride, double sigma) {
   const Eigen::VectorXd& y = profile.radius;
   Eigen::VectorXd w = profile.weight;
   for (Eigen::Index i = 0; i < w.size(); ++i)
     w(i) = i % stride == 0 ? static_cast<double>(stride) * w(i) : 0;
   const auto sections = static_cast<double>((w.array() > 0).count());
-  const double price = std::max(caution, sections / std::max(sections - bends_twice - 1, 1.0));
+  const double price = std::max(price_factor, sections / std::max(sections - double_bend_freedom - 1, 1.0));
   const Sparse d = third_differences(y.size()), penalty = d.transpose() * d;
   const auto system = [&](const Eigen::VectorXd& weight, double lambda) {
     Sparse diagonal(y.size(), y.size());
@@ -155,7 +155,7 @@ void smooth_noisy_areas(const std::vector<Branch>& branches, std::vector<Section
     return;
   std::size_t changed = 0;
   for (std::size_t b = 0; b < branches.size(); ++b) {
-    const Profile profile = radii_along(sections, b);
+    const RadiusProfile profile = radii_along(sections, b);
     if ((profile.weight.array() > 0).count() < shortest_run)
       continue;
     const Eigen::VectorXd smooth = smoothed(profile, stride_of(branches[b]), noise * usual_radius / 2);

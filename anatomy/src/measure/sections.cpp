@@ -20,7 +20,7 @@ Vec2 centroid(const std::vector<Vec2>& loop) {
 }
 
 // Distance (mm) from the point `from` to the loop along the unit vector d: the farthest crossing, 0 if there is none.
-double reach(const std::vector<Vec2>& loop, const Vec2& from, const Vec2& d) {
+double ray_length(const std::vector<Vec2>& loop, const Vec2& from, const Vec2& d) {
   double farthest = 0;
   const Vec2 n(-d.y(), d.x());
   for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -39,26 +39,26 @@ void set_diameters(Section& section, const std::vector<Vec2>& loop) {
   for (int k = 0; k < 60; ++k) {
     const double angle = k * M_PI / 60;
     const Vec2 d(std::cos(angle), std::sin(angle));
-    const double chord = reach(loop, c, d) + reach(loop, c, -d);
+    const double chord = ray_length(loop, c, d) + ray_length(loop, c, -d);
     section.min_diameter = std::min(section.min_diameter, chord);
     section.max_diameter = std::max(section.max_diameter, chord);
   }
 }
 
-bool on_a_cap(const Vec3& p, const std::vector<End>& ends) {
+bool is_on_cap(const Vec3& p, const std::vector<End>& ends) {
   return std::any_of(ends.begin(), ends.end(), [&](const End& end) {
     return std::abs((p - end.centre).dot(end.normal)) < 1e-3 && (p - end.centre).norm() < 1.5 * end.radius();
   });
 }
 
-bool in_a_stub(const Vec3& p, std::size_t branch, const Vec3& on_axis, const std::vector<ClosedStub>& stubs) {
+bool is_in_stub(const Vec3& p, std::size_t branch, const Vec3& on_axis, const std::vector<ClosedStub>& stubs) {
   return std::any_of(stubs.begin(), stubs.end(),
                      [&](const ClosedStub& stub) { return stub.branch == branch && stub.contains(p, on_axis); });
 }
 
 } // namespace
 
-bool near_an_end(const Branch& branch, const std::vector<End>& ends, double s) {
+bool is_near_end(const Branch& branch, const std::vector<End>& ends, double s) {
   const auto inlet = std::find_if(ends.begin(), ends.end(), [](const End& end) { return end.inlet; });
   const double at_inlet = std::max(end_zone * branch.radius.front(), inlet == ends.end() ? 0 : inlet->extension);
   const double at_outlet = std::max(end_zone * branch.radius.back(), ends[branch.end].extension);
@@ -76,11 +76,12 @@ std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>
         continue;
       const PlaneFrame frame(branch.x[i], branch.axis.tangent(branch.s[i]));
       const std::vector<Vec3> loop = slices.loop_around(frame);
-      const bool end = near_an_end(branch, ends, branch.s[i]);
+      const bool end = is_near_end(branch, ends, branch.s[i]);
       if (loop.empty()) {
         if (end)
           continue;
-        throw common::ComputationError("no cross-section contains the axis", branch.name + " at " + place(branch.x[i]),
+        throw common::ComputationError("no cross-section contains the axis",
+                                       branch.name + " at " + point_text(branch.x[i]),
                                        "s = " + std::to_string(branch.s[i]) + " mm", "use a smaller edge");
       }
       Section section;
@@ -90,11 +91,11 @@ std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>
       std::vector<Vec2> flat;
       for (const Vec3& p : loop) {
         Vec2 q = frame.plane(p);
-        if (on_a_cap(p, ends))
+        if (is_on_cap(p, ends))
           section.flag = "end";
         const double limit = ostium_clip * branch.radius[i];
         if (q.norm() > limit &&
-            (in_a_stub(p, b, branch.x[i], stubs) || (branches.size() > 1 && nearest_axis(branches, p).branch != b))) {
+            (is_in_stub(p, b, branch.x[i], stubs) || (branches.size() > 1 && nearest_axis(branches, p).branch != b))) {
           q *= limit / q.norm();
           if (section.flag == "ok")
             section.flag = "ostium";

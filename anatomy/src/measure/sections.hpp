@@ -27,7 +27,7 @@ std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>
                                   const std::vector<ClosedStub>& stubs = {});
 
 /// Whether the axis at arc length s (mm) is within 1.5 inscribed radii of a cap or in an extension.
-bool near_an_end(const Branch& branch, const std::vector<End>& ends, double s);
+bool is_near_end(const Branch& branch, const std::vector<End>& ends, double s);
 
 constexpr double ostium_clip = 1.08; ///< inscribed radii at which a section is clipped towards another branch
 constexpr double end_zone = 1.5;     ///< inscribed radii from a cap in which a section is flagged `end`

@@ -11,12 +11,12 @@
 namespace anatomy {
 namespace {
 
-constexpr double slack = 0.4;      // degrees: if the smallest corner is short of the goal by less, no pass follows
-constexpr int rings = 2;           // rings of vertices round a narrow triangle that may move
-constexpr int sweeps = 6;          // times at most that each of these vertices is moved
-constexpr int directions = 6;      // directions tried for each step of a vertex
-constexpr double first_step = 0.2; // length of a vertex's first step, over the mean edge at the vertex
-constexpr int halvings = 4;        // step lengths tried, each half of the one before
+constexpr double pass_tolerance = 0.4; // degrees: if the smallest corner is short of the goal by less, no pass follows
+constexpr int moving_rings = 2;        // rings of vertices round a narrow triangle that may move
+constexpr int most_sweeps = 6;         // times at most that each of these vertices is moved
+constexpr int step_directions = 6;     // directions tried for each step of a vertex
+constexpr double first_step = 0.2;     // length of a vertex's first step, over the mean edge at the vertex
+constexpr int step_halvings = 4;       // step lengths tried, each half of the one before
 constexpr double least_gain =
     0.05; // degrees; a change is kept only if the smallest corner of the neighbourhood gains more
 constexpr double least_move = 1e-3; // degrees; a vertex moves only if the smallest corner round it gains more
@@ -49,7 +49,7 @@ struct Star {
 
 // The smallest corner (degrees) of the star's triangles, or the first one found that is not above `enough`. It is -1 if
 // a triangle has turned by more than 60 degrees.
-double corner_of(const Mesh& mesh, const Star& star, double enough) {
+double smallest_star_corner(const Mesh& mesh, const Star& star, double enough) {
   double corner = 180;
   for (std::size_t i = 0; i < star.faces.size() && corner > enough; ++i) {
     if (area_vector(mesh, star.faces[i]).normalized().dot(star.normals[i]) < cos_turned)
@@ -61,7 +61,7 @@ double corner_of(const Mesh& mesh, const Star& star, double enough) {
 
 // Moves v along the wall so that the smallest corner of the triangles round it becomes as wide as possible. It is a
 // pattern search: steps in several directions, of falling length. Returns whether v was moved.
-bool move(Mesh& mesh, const WallTree& wall, Vertex v) {
+bool move_vertex(Mesh& mesh, const WallTree& wall, Vertex v) {
   const Vec3 normal = normal_at(mesh, v), u = normal.unitOrthogonal(), w = normal.cross(u);
   Star star;
   double step = 0;
@@ -70,18 +70,19 @@ bool move(Mesh& mesh, const WallTree& wall, Vertex v) {
     star.normals.push_back(area_vector(mesh, mesh.face(h)).normalized());
     step += (vec(mesh.point(mesh.source(h))) - vec(mesh.point(v))).norm() / static_cast<double>(mesh.degree(v));
   }
-  double best = corner_of(mesh, star, 0);
+  double best = smallest_star_corner(mesh, star, 0);
   step *= first_step;
   bool moved = false;
-  for (int k = 0; k < halvings; step /= 2, ++k)
-    for (int d = 0; d < directions; ++d) {
-      const double angle = 2 * M_PI * d / directions;
+  for (int k = 0; k < step_halvings; step /= 2, ++k)
+    for (int d = 0; d < step_directions; ++d) {
+      const double angle = 2 * M_PI * d / step_directions;
       const Point before = mesh.point(v);
       const double aim = best + least_move;
       mesh.point(v) = point(vec(before) + step * (std::cos(angle) * u + std::sin(angle) * w));
-      if (corner_of(mesh, star, aim) > aim) { // only a promising step is worth the search for the wall's nearest point
+      if (smallest_star_corner(mesh, star, aim) >
+          aim) { // only a promising step is worth the search for the wall's nearest point
         mesh.point(v) = wall.nearest(mesh.point(v));
-        if (const double corner = corner_of(mesh, star, aim); corner > aim) {
+        if (const double corner = smallest_star_corner(mesh, star, aim); corner > aim) {
           best = corner;
           moved = true;
           continue;
@@ -142,11 +143,11 @@ struct AngleOptimiser {
   std::set<Face> hopeless; // narrow triangles that no change has improved in this pass
 
   // The vertices of a triangle and of two rings round it.
-  std::set<Vertex> around(Face f) const {
+  std::set<Vertex> vertices_around(Face f) const {
     std::set<Vertex> patch;
     for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
       patch.insert(v);
-    for (int ring = 0; ring < rings; ++ring)
+    for (int ring = 0; ring < moving_rings; ++ring)
       for (Vertex v : std::vector<Vertex>(patch.begin(), patch.end()))
         for (Vertex w : mesh.vertices_around_target(mesh.halfedge(v)))
           patch.insert(w);
@@ -154,7 +155,7 @@ struct AngleOptimiser {
   }
 
   // Smallest corner (degrees) of the triangles at these vertices that touch no cap.
-  static double corner_of(const Mesh& in, const std::set<Vertex>& patch) {
+  static double smallest_patch_corner(const Mesh& in, const std::set<Vertex>& patch) {
     double corner = 180;
     for (Vertex v : patch)
       if (!in.is_removed(v))
@@ -164,14 +165,14 @@ struct AngleOptimiser {
     return corner;
   }
 
-  // Moves the vertices of a patch one after the other, until none moves any more or `sweeps` is reached.
+  // Moves the vertices of a patch one after the other, until none moves any more or `most_sweeps` is reached.
   void relax(Mesh& in, const std::set<Vertex>& patch) const {
     bool moved = true;
-    for (int sweep = 0; sweep < sweeps && moved; ++sweep) {
+    for (int sweep = 0; sweep < most_sweeps && moved; ++sweep) {
       moved = false;
       for (Vertex v : patch)
         if (!in.is_removed(v) && may_move(in, v))
-          moved |= move(in, wall, v);
+          moved |= move_vertex(in, wall, v);
     }
   }
 
@@ -195,8 +196,8 @@ struct AngleOptimiser {
 
   // Keeps the change that widens the smallest corner round the triangle most. Returns whether there was one.
   bool widen(Face f) {
-    const std::set<Vertex> patch = around(f);
-    const double before = corner_of(mesh, patch);
+    const std::set<Vertex> patch = vertices_around(f);
+    const double before = smallest_patch_corner(mesh, patch);
     double best_corner = before + least_gain;
     Mesh best;
     for (const Change& change : changes(f)) {
@@ -208,7 +209,7 @@ struct AngleOptimiser {
       for (std::size_t k = count; k < trial.num_vertices(); ++k)
         moving.insert(Vertex(static_cast<Mesh::size_type>(k)));
       relax(trial, moving);
-      const double corner = corner_of(trial, moving);
+      const double corner = smallest_patch_corner(trial, moving);
       if (corner > best_corner && folded(trial, moving) <= folded(mesh, patch) &&
           creases(trial, moving) <= creases(mesh, patch) && !(careful && crosses(trial, moving))) {
         best_corner = corner;
@@ -269,7 +270,7 @@ struct AngleOptimiser {
   }
 
   // Smallest corner (degrees) of all triangles that touch no cap.
-  double smallest() const {
+  double smallest_of_all() const {
     double corner = 180;
     for (Face f : mesh.faces())
       if (!touches_cap(mesh, f))
@@ -278,7 +279,7 @@ struct AngleOptimiser {
   }
 
   // The triangle of the smallest corner (degrees) among those that touch no cap and are not hopeless.
-  std::pair<double, Face> worst() const {
+  std::pair<double, Face> narrowest_triangle() const {
     std::pair<double, Face> found{180, Face()};
     for (Face f : mesh.faces())
       if (const double corner = smallest_corner(mesh, f);
@@ -295,11 +296,12 @@ void widen_corners(Mesh& mesh, const Mesh& surface, const WallTree& wall, double
   optimiser.mesh.set_recycle_garbage(false); // so that no new face takes the index of a removed one
   // a corner that could not be widened at first may give way once its neighbours have changed
   bool changed = true;
-  for (int pass = 0; pass < passes && changed && (pass == 0 || optimiser.smallest() < wanted - slack); ++pass) {
+  for (int pass = 0; pass < passes && changed && (pass == 0 || optimiser.smallest_of_all() < wanted - pass_tolerance);
+       ++pass) {
     optimiser.hopeless.clear();
     changed = false;
     for (std::size_t k = 0; k < most_changes; ++k) {
-      const auto [corner, face] = optimiser.worst();
+      const auto [corner, face] = optimiser.narrowest_triangle();
       if (corner >= wanted)
         break;
       changed |= optimiser.widen(face);

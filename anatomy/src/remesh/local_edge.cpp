@@ -15,8 +15,8 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 
 constexpr double edge_per_radius = 0.3;         // longest edge over the inscribed radius
 constexpr double largest_edge_per_radius = 0.8; // the same in the narrowest throats: eight edges go round them
-constexpr double thinnest = 0.05;               // mm, least edge in a throat, unless 0.3 of the user's edge is shorter
-constexpr double growth = 0.3;                  // mm of edge per mm of distance from a narrow place
+constexpr double least_throat_edge = 0.05;      // mm, least edge in a throat, unless 0.3 of the user's edge is shorter
+constexpr double edge_growth = 0.3;             // mm of edge per mm of distance from a narrow place
 // Ratio of the target edges of two successive levels. CGAL's remeshing accepts edges of 0.8 to 1.33 of its target, so
 // the edges of a level suit the next level too.
 constexpr double level_step = 0.85;
@@ -24,29 +24,29 @@ constexpr double good_corner = 30;    // degrees: a triangle with a smaller corn
 constexpr double aimed_corner = 30.5; // degrees: a margin over 30, which must remain after writing and reading
 // A triangle with an edge shorter or longer than this ratio to the wanted length is remeshed. Remeshing itself leaves
 // one triangle in 10^4 outside.
-constexpr double shortest = 0.5;
-constexpr double longest = 1.6;
-constexpr int rings_beside = 3;    // rings of triangles round those to remesh that are remeshed too
-constexpr double off_wall = 1e-6;  // mm: a vertex farther from the wall is projected on it
-constexpr double mostly = 1.0 / 3; // share of triangles to remesh above which regraded() gives up
+constexpr double least_edge_ratio = 0.5;
+constexpr double largest_edge_ratio = 1.6;
+constexpr int rings_beside = 3;                 // rings of triangles round those to remesh that are remeshed too
+constexpr double off_wall = 1e-6;               // mm: a vertex farther from the wall is projected on it
+constexpr double most_regraded_share = 1.0 / 3; // share of triangles to remesh above which regraded() gives up
 
 // Whether a triangle has edges near the wanted length, and no corner below 30 degrees.
-bool as_wanted(const Mesh& mesh, Face f, const EdgeField& field) {
+bool is_as_wanted(const Mesh& mesh, Face f, const EdgeField& field) {
   const double length = field.at(centroid(mesh, f));
   for (Halfedge h : mesh.halfedges_around_face(mesh.halfedge(f))) {
     const double ratio = (vec(mesh.point(mesh.source(h))) - vec(mesh.point(mesh.target(h)))).norm() / length;
-    if (ratio < shortest || ratio > longest)
+    if (ratio < least_edge_ratio || ratio > largest_edge_ratio)
       return false;
   }
   return smallest_corner(mesh, f) >= good_corner;
 }
 
-// For each face of a compact mesh: whether it is to be remeshed. It is if it touches no cap and is not as_wanted(), or
-// is within three rings of such a face.
-std::vector<bool> to_remesh(const Mesh& mesh, const EdgeField& field) {
+// For each face of a compact mesh: whether it is to be remeshed. It is if it touches no cap and is not is_as_wanted(),
+// or is within three rings of such a face.
+std::vector<bool> faces_to_remesh(const Mesh& mesh, const EdgeField& field) {
   std::vector<bool> chosen(mesh.num_faces(), false);
   for (Face f : mesh.faces())
-    chosen[f] = !touches_cap(mesh, f) && !as_wanted(mesh, f, field);
+    chosen[f] = !touches_cap(mesh, f) && !is_as_wanted(mesh, f, field);
   for (int ring = 0; ring < rings_beside; ++ring) {
     const std::vector<bool> before = chosen;
     for (Face f : mesh.faces())
@@ -61,12 +61,12 @@ std::vector<bool> to_remesh(const Mesh& mesh, const EdgeField& field) {
 struct Remesher {
   Mesh mesh;
   const Mesh &original, &surface;
-  const WallTree wall, given; ///< the walls of `surface` and of `original`
+  const WallTree wall, original_wall; ///< the walls of `surface` and of `original`
   const EdgeField& field;
   std::vector<bool> chosen; ///< for each face of `original`, whether it is remeshed; empty: all are
 
   Remesher(const Mesh& start, const Mesh& smooth, const EdgeField& lengths)
-      : mesh(start), original(start), surface(smooth), wall(smooth), given(original), field(lengths) {}
+      : mesh(start), original(start), surface(smooth), wall(smooth), original_wall(original), field(lengths) {}
 
   // The faces to remesh whose wanted edge is at most `length` (mm); faces that touch a cap are left out.
   std::vector<Face> faces_up_to(double length) const {
@@ -75,7 +75,7 @@ struct Remesher {
       if (touches_cap(mesh, f))
         continue;
       const Vec3 c = centroid(mesh, f);
-      if (field.at(c) <= length && (chosen.empty() || chosen[given.nearest_face(point(c))]))
+      if (field.at(c) <= length && (chosen.empty() || chosen[original_wall.nearest_face(point(c))]))
         faces.push_back(f);
     }
     return faces;
@@ -167,16 +167,17 @@ EdgeField::EdgeField(double edge, const std::vector<Branch>& branches, const std
         continue;
       const double radius = branches[b].radius[i], reference = 0.5 * profiles[b].diameter(branches[b].s[i]);
       const double wanted = std::min(edge * radius / reference, edge_per_radius * radius);
-      const double least = std::min(smallest_edge_factor * edge, std::max(largest_edge_per_radius * radius, thinnest));
+      const double least =
+          std::min(smallest_edge_factor * edge, std::max(largest_edge_per_radius * radius, least_throat_edge));
       if (wanted < edge)
-        narrow_.push_back({branches[b].x[i], radius, std::max(wanted, least)});
+        narrow_samples_.push_back({branches[b].x[i], radius, std::max(wanted, least)});
     }
 }
 
 double EdgeField::at(const Vec3& p) const {
   double length = edge_;
-  for (const Narrow& sample : narrow_)
-    length = std::min(length, sample.edge + growth * std::max(0.0, (p - sample.x).norm() - sample.radius));
+  for (const NarrowSample& sample : narrow_samples_)
+    length = std::min(length, sample.edge + edge_growth * std::max(0.0, (p - sample.x).norm() - sample.radius));
   return length;
 }
 
@@ -194,9 +195,9 @@ Mesh coarsened(const Mesh& mesh, double edge, const Mesh& surface, const EdgeFie
 
 std::optional<Mesh> regraded(const Mesh& mesh, const Mesh& surface, const EdgeField& field) {
   Remesher remesher(mesh, surface, field);
-  remesher.chosen = to_remesh(mesh, field);
+  remesher.chosen = faces_to_remesh(mesh, field);
   const auto count = static_cast<double>(std::count(remesher.chosen.begin(), remesher.chosen.end(), true));
-  if (count > mostly * static_cast<double>(mesh.number_of_faces()))
+  if (count > most_regraded_share * static_cast<double>(mesh.number_of_faces()))
     return std::nullopt;
   if (count > 0)
     remesher.resize(field.edge());

@@ -23,12 +23,12 @@ public:
   double edge() const { return edge_; }
 
 private:
-  struct Narrow { // mm
+  struct NarrowSample { // mm
     Vec3 x;
     double radius, edge;
   };
   double edge_;
-  std::vector<Narrow> narrow_; ///< samples whose edge is below edge_
+  std::vector<NarrowSample> narrow_samples_; ///< samples whose edge is below edge_
 };
 
 /// A copy of the tagged `mesh`, whose edges are uniform and as long as field.edge(). Where `field` asks for shorter

@@ -20,9 +20,9 @@ Point on_wall(const Mesh& mesh, Vertex v, const WallTree& wall) {
 
 namespace {
 
-constexpr double narrow = 30;          // degrees: a triangle with a smaller corner is narrow
-constexpr double mostly_narrow = 0.1;  // share of narrow triangles above which the mesh is remeshed again
-constexpr double loosening_edge = 0.6; // of the wanted edge: the finer mesh in between
+constexpr double narrow_corner = 30;         // degrees: a triangle with a smaller corner is narrow
+constexpr double most_narrow_share = 0.1;    // share of narrow triangles above which the mesh is remeshed again
+constexpr double loosening_edge_ratio = 0.6; // of the wanted edge: the finer mesh in between
 
 void remesh_wall(Mesh& mesh, double edge, const WallTree& wall) {
   RegionMap region = region_map(mesh);
@@ -42,8 +42,8 @@ void remesh_wall(Mesh& mesh, double edge, const WallTree& wall) {
 bool is_narrow(const Mesh& mesh) {
   const auto faces = mesh.faces();
   const auto count =
-      std::count_if(faces.begin(), faces.end(), [&](Face f) { return smallest_corner(mesh, f) < narrow; });
-  return static_cast<double>(count) > mostly_narrow * static_cast<double>(mesh.number_of_faces());
+      std::count_if(faces.begin(), faces.end(), [&](Face f) { return smallest_corner(mesh, f) < narrow_corner; });
+  return static_cast<double>(count) > most_narrow_share * static_cast<double>(mesh.number_of_faces());
 }
 
 } // namespace
@@ -55,7 +55,7 @@ Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface) {
   // Remeshing may leave a regular loft unchanged: its long edges are short enough, and a collapse of its short edges
   // would make the others too long. Remeshing it to a finer mesh first avoids this.
   if (is_narrow(out)) {
-    remesh_wall(out, loosening_edge * edge, wall);
+    remesh_wall(out, loosening_edge_ratio * edge, wall);
     remesh_wall(out, edge, wall);
   }
   flatten_caps(out);
@@ -86,10 +86,11 @@ void check_remeshed(const Mesh& out, double edge) {
                                    "try a smaller edge");
   const auto pairs = crossings(out);
   if (!pairs.empty())
-    throw common::ComputationError(
-        "remeshing made the surface cross itself", place(vec(out.point(out.target(out.halfedge(pairs.front().first))))),
-        std::to_string(pairs.size()) + " pairs of triangles at edge " + std::to_string(edge) + " mm",
-        "use a smaller edge");
+    throw common::ComputationError("remeshing made the surface cross itself",
+                                   point_text(vec(out.point(out.target(out.halfedge(pairs.front().first))))),
+                                   std::to_string(pairs.size()) + " pairs of triangles at edge " +
+                                       std::to_string(edge) + " mm",
+                                   "use a smaller edge");
 }
 
 double smallest_corner(const Mesh& mesh, Face f) {

@@ -10,7 +10,7 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 
 // Edges of the largest hole that is filled in one piece. CGAL's search takes n^3 steps for n edges: 0.2 s for 250.
-constexpr std::size_t most_edges = 250;
+constexpr std::size_t most_hole_edges = 250;
 
 using Ring = std::vector<Vertex>;
 
@@ -36,8 +36,8 @@ bool add_filling(const Mesh& mesh, const Ring& ring, std::vector<std::array<Vert
 
 // Fills a large ring in parts. Chords over every few edges cut off pieces; these and the ring of the chords are filled.
 // Returns no faces, and leaves the mesh unchanged, if this fails.
-std::vector<Face> filled_in_parts(Mesh& mesh, const Ring& ring) {
-  const std::size_t step = (ring.size() + most_edges - 1) / most_edges;
+std::vector<Face> fill_in_parts(Mesh& mesh, const Ring& ring) {
+  const std::size_t step = (ring.size() + most_hole_edges - 1) / most_hole_edges;
   std::vector<std::array<Vertex, 3>> triangles;
   Ring chords;
   bool whole = true;
@@ -83,26 +83,26 @@ std::vector<Point> points_on(const Mesh& mesh, const Ring& ring, Halfedge h, dou
 
 } // namespace
 
-std::vector<Face> filled(Mesh& mesh, Halfedge border) {
+std::vector<Face> fill_hole(Mesh& mesh, Halfedge border) {
   Ring ring;
   for (Halfedge h : CGAL::halfedges_around_face(border, mesh))
     ring.push_back(mesh.target(h));
   std::vector<Face> faces;
-  if (ring.size() > most_edges)
-    faces = filled_in_parts(mesh, ring);
+  if (ring.size() > most_hole_edges)
+    faces = fill_in_parts(mesh, ring);
   if (faces.empty())
     PMP::triangulate_hole(mesh, border, std::back_inserter(faces));
   return faces;
 }
 
-std::size_t divided(Mesh& mesh, Halfedge border, double tolerance) {
+std::size_t divide_border(Mesh& mesh, Halfedge border, double tolerance) {
   Ring ring;
   std::vector<Halfedge> edges;
   for (Halfedge h : CGAL::halfedges_around_face(border, mesh)) {
     ring.push_back(mesh.target(h));
     edges.push_back(h);
   }
-  if (ring.size() > most_edges)
+  if (ring.size() > most_hole_edges)
     return 0;
   std::size_t count = 0;
   for (Halfedge h : edges)
@@ -116,7 +116,7 @@ std::size_t divided(Mesh& mesh, Halfedge border, double tolerance) {
   return count;
 }
 
-std::vector<Face> capped(Mesh& mesh, const Loop& loop) {
+std::vector<Face> cap_loop(Mesh& mesh, const Loop& loop) {
   // CGAL takes the loop's normal as a sum of triangle normals, each turned towards positive x. So the loop is rotated
   // until no component of its normal is near 0.
   const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(loop.normal, Vec3::Ones());

@@ -9,9 +9,9 @@
 namespace anatomy {
 namespace {
 
-constexpr double largest_patch = 0.35;                         // mean radii: largest radius of a patch
+constexpr double largest_patch_radii = 0.35;                   // mean radii: largest radius of a patch
 constexpr std::array<double, 5> patch_edges{2, 3, 4.5, 7, 10}; // radii of patches tried in turn, in mean edges
-constexpr int most_rounds = 5;                                 // rounds of search and removal at most
+constexpr int most_search_rounds = 5;                          // rounds of search and removal at most
 
 double mean_edge(const Mesh& mesh) {
   double sum = 0;
@@ -21,7 +21,7 @@ double mean_edge(const Mesh& mesh) {
 }
 
 // The faces within `reach` (mm) of vertex v that are connected to it by such faces.
-std::set<Face> patch_round(const Mesh& mesh, Vertex v, double reach) {
+std::set<Face> patch_around(const Mesh& mesh, Vertex v, double reach) {
   const Vec3 centre = vec(mesh.point(v));
   std::set<Face> patch;
   std::vector<Face> open;
@@ -85,7 +85,7 @@ long genus(const Mesh& mesh, const std::set<Face>& patch, std::size_t rim) {
 // @param largest largest radius of a patch, mm
 long close_patch(Mesh& mesh, Vertex v, double edge, double largest) {
   for (double edges : patch_edges) {
-    const std::set<Face> patch = patch_round(mesh, v, std::min(edges * edge, largest));
+    const std::set<Face> patch = patch_around(mesh, v, std::min(edges * edge, largest));
     const std::vector<Halfedge> rim = rim_of(mesh, patch);
     if (!is_one_loop(mesh, rim))
       continue;
@@ -94,15 +94,15 @@ long close_patch(Mesh& mesh, Vertex v, double edge, double largest) {
       continue;
     for (Face f : patch)
       CGAL::Euler::remove_face(mesh.halfedge(f), mesh);
-    if (filled(mesh, rim.front()).empty())
-      throw common::InputError("a small handle of the surface cannot be closed", place(vec(mesh.point(v))),
+    if (fill_hole(mesh, rim.front()).empty())
+      throw common::InputError("a small handle of the surface cannot be closed", point_text(vec(mesh.point(v))),
                                std::to_string(rim.size()) + " edges round it", "smooth the surface there");
     return handles;
   }
   return 0;
 }
 
-void tidy(Mesh& mesh) {
+void compact(Mesh& mesh) {
   remove_isolated_vertices(mesh);
   mesh.collect_garbage();
 }
@@ -110,11 +110,11 @@ void tidy(Mesh& mesh) {
 } // namespace
 
 void remove_small_handles(Mesh& mesh, std::vector<Repair>& repairs) {
-  tidy(mesh);
-  const double edge = mean_edge(mesh), largest = largest_patch * mean_radius(mesh);
+  compact(mesh);
+  const double edge = mean_edge(mesh), largest = largest_patch_radii * mean_radius(mesh);
   long removed = 0;
   Vec3 first = Vec3::Zero();
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < most_search_rounds; ++round) {
     long now = 0;
     for (Vertex v : places_on_handles(mesh)) {
       if (mesh.is_removed(v)) // with an earlier patch
@@ -126,12 +126,12 @@ void remove_small_handles(Mesh& mesh, std::vector<Repair>& repairs) {
       now += closed;
     }
     removed += now;
-    tidy(mesh);
+    compact(mesh);
     if (now == 0)
       break;
   }
   if (removed > 0)
-    repairs.push_back({"small handles removed", static_cast<std::size_t>(removed), "first near " + place(first)});
+    repairs.push_back({"small handles removed", static_cast<std::size_t>(removed), "first near " + point_text(first)});
 }
 
 } // namespace anatomy

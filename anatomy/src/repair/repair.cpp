@@ -20,10 +20,11 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 using ComponentMap = Mesh::Property_map<Face, std::size_t>;
 
-constexpr double comparable = 0.2;  // ratio of wall areas from which a component may be a vessel
-constexpr double vessel_length = 5; // mm, diagonal of a component's box; voids and specks are shorter
-constexpr double as_long = 0.9;     // least ratio of the boxes' diagonals of a wall's inner and outer side
-constexpr double beyond_box = 0.02; // of the outer box's diagonal, by which the inner box may stand out at an open end
+constexpr double comparable_area_ratio = 0.2; // ratio of wall areas from which a component may be a vessel
+constexpr double vessel_length = 5;           // mm, diagonal of a component's box; voids and specks are shorter
+constexpr double wall_side_ratio = 0.9;       // least ratio of the boxes' diagonals of a wall's inner and outer side
+constexpr double box_tolerance =
+    0.02; // of the outer box's diagonal, by which the inner box may stand out at an open end
 
 // Whether triangle b has the corners of a in the opposite sense. a and b are one triangle before and after CGAL's
 // orienting, which keeps the triangles' order.
@@ -57,15 +58,15 @@ Mesh oriented_mesh(const Soup& soup, std::vector<Repair>& repairs) {
 void check_no_wall(const std::vector<Eigen::AlignedBox3d>& box, std::size_t largest) {
   const double length = box[largest].diagonal().norm();
   Eigen::AlignedBox3d outer = box[largest];
-  outer.extend(Vec3(outer.max() + Vec3::Constant(beyond_box * length)));
-  outer.extend(Vec3(outer.min() - Vec3::Constant(beyond_box * length)));
+  outer.extend(Vec3(outer.max() + Vec3::Constant(box_tolerance * length)));
+  outer.extend(Vec3(outer.min() - Vec3::Constant(box_tolerance * length)));
   for (std::size_t c = 0; c < box.size(); ++c) {
-    if (c == largest || !outer.contains(box[c]) || box[c].diagonal().norm() < as_long * length)
+    if (c == largest || !outer.contains(box[c]) || box[c].diagonal().norm() < wall_side_ratio * length)
       continue;
     char value[96];
     std::snprintf(value, sizeof value, "%.1f mm long, within one of %.1f mm", box[c].diagonal().norm(), length);
     throw InputError("one surface lies inside another: are they the two sides of a vessel's wall?",
-                     "round " + place(box[c].center()), value,
+                     "round " + point_text(box[c].center()), value,
                      "export the lumen's surface, the inner one, alone; or name the inlet on its axis by --inlet");
   }
 }
@@ -87,13 +88,13 @@ void warn_of_vessels(const Mesh& mesh, const ComponentMap& component, const std:
   if (!chosen)
     check_no_wall(box, kept);
   for (std::size_t c = 0; c < area.size(); ++c) {
-    if (c == kept || (area[c] < comparable * area[kept] && box[c].diagonal().norm() < vessel_length))
+    if (c == kept || (area[c] < comparable_area_ratio * area[kept] && box[c].diagonal().norm() < vessel_length))
       continue;
     char sizes[128];
     std::snprintf(sizes, sizeof sizes, "%.0f mm2 of wall, %.1f mm long, the one kept has %.0f mm2 ", area[c],
                   box[c].diagonal().norm(), area[kept]);
     repairs.push_back({"another vessel left out", 1,
-                       "round " + place(centre[c]) + ": " + sizes + "round " + place(centre[kept]) +
+                       "round " + point_text(centre[c]) + ": " + sizes + "round " + point_text(centre[kept]) +
                            "; --inlet chooses between trees; of one vessel in two pieces, join them",
                        true});
   }
@@ -105,7 +106,7 @@ std::size_t component_at(const Mesh& mesh, const ComponentMap& component, const 
   std::size_t best = largest;
   double least = 1e300;
   for (Face f : mesh.faces())
-    if (area[component[f]] >= comparable * area[largest])
+    if (area[component[f]] >= comparable_area_ratio * area[largest])
       for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
         if (const double away = (vec(mesh.point(v)) - p).norm(); away < least) {
           least = away;
@@ -140,7 +141,7 @@ void keep_one_component(Mesh& mesh, const std::optional<Vec3>& inlet, std::vecto
 void close_t_junctions(Mesh& mesh, double tolerance, std::vector<Repair>& repairs) {
   std::size_t count = 0;
   for (const Loop& loop : boundary_loops(mesh))
-    count += divided(mesh, loop.halfedge, tolerance);
+    count += divide_border(mesh, loop.halfedge, tolerance);
   if (count == 0)
     return;
   PMP::stitch_borders(mesh);
@@ -153,10 +154,10 @@ void fill_holes(Mesh& mesh, const IsGivenEnd& is_given_end, std::vector<Repair>&
       continue;
     if (is_given_end && is_given_end(mesh, loop))
       continue;
-    if (filled(mesh, loop.halfedge).empty())
-      throw InputError("a hole in the wall cannot be filled", place(loop.centre),
+    if (fill_hole(mesh, loop.halfedge).empty())
+      throw InputError("a hole in the wall cannot be filled", point_text(loop.centre),
                        std::to_string(loop.halfedges) + " edges round it", "repair the surface there");
-    repairs.push_back({"hole filled", 1, std::to_string(loop.halfedges) + " edges at " + place(loop.centre)});
+    repairs.push_back({"hole filled", 1, std::to_string(loop.halfedges) + " edges at " + point_text(loop.centre)});
   }
 }
 
@@ -202,9 +203,9 @@ void remove_self_intersections(Mesh& mesh, std::vector<Repair>& repairs) {
   const std::size_t found = pairs.size();
   replace_crossings(mesh);
   if (crosses_itself(mesh) || !CGAL::is_closed(mesh))
-    throw InputError("the surface crosses itself and could not be repaired", "near " + place(where),
+    throw InputError("the surface crosses itself and could not be repaired", "near " + point_text(where),
                      std::to_string(found) + " pairs of triangles", "separate, smooth or re-segment the surface there");
-  repairs.push_back({"self-intersections removed", found, "pairs of triangles, first near " + place(where)});
+  repairs.push_back({"self-intersections removed", found, "pairs of triangles, first near " + point_text(where)});
 }
 
 } // namespace anatomy

@@ -6,12 +6,12 @@ namespace anatomy {
 namespace {
 
 // A spike is at least as high as all three of these limits.
-constexpr double least_slope = 0.5;         // mean edges: a spike that slopes by 27 degrees all round
-constexpr double least_radii = 0.15;        // mean radii of the lumen; a lower spike hardly changes a section
-constexpr double least_outlier = 8;         // times the scatter of the vertices round it about a smooth wall
-constexpr double worth_a_look = 0.35;       // mean edges; a vertex nearer to the plane of its ring is not examined
+constexpr double least_spike_slope = 0.5;   // mean edges: a spike that slopes by 27 degrees all round
+constexpr double least_spike_radii = 0.15;  // mean radii of the lumen; a lower spike hardly changes a section
+constexpr double least_outlier_ratio = 8;   // times the scatter of the vertices round it about a smooth wall
+constexpr double least_ring_height = 0.35;  // mean edges; a vertex nearer to the plane of its ring is not examined
 constexpr std::size_t most_neighbours = 12; // a vertex with more is the apex of a fan over a whole end, not a spike
-constexpr Eigen::Index most_unknowns = 6;   // of a quadric; three more points are needed for the scatter
+constexpr Eigen::Index quadric_terms = 6;   // of a quadric; three more points are needed for the scatter
 
 // The neighbours of a vertex.
 struct VertexRing {
@@ -39,23 +39,23 @@ VertexRing ring_of(const Mesh& mesh, Vertex v) {
 }
 
 // Height (mm) of v over the mean of its ring, along the ring's normal.
-double over_ring(const Mesh& mesh, Vertex v, const VertexRing& ring) {
+double height_over_ring(const Mesh& mesh, Vertex v, const VertexRing& ring) {
   return ring.normal.dot(Vec3(vec(mesh.point(v)) - ring.mean));
 }
 
 // The height (mm) of v over the quadric fitted to the two rings of vertices round it, and the scatter (mm) of these
 // vertices about the quadric. Both are 0 if the vertices are too few.
-std::pair<double, double> over_quadric(const Mesh& mesh, Vertex v, const VertexRing& ring) {
+std::pair<double, double> height_over_quadric(const Mesh& mesh, Vertex v, const VertexRing& ring) {
   std::vector<Vertex> around = ring.vertices;
   for (Vertex w : ring.vertices)
     for (Vertex x : mesh.vertices_around_target(mesh.halfedge(w)))
       if (x != v && std::find(around.begin(), around.end(), x) == around.end())
         around.push_back(x);
   const auto rows = static_cast<Eigen::Index>(around.size());
-  if (rows < most_unknowns + 3)
+  if (rows < quadric_terms + 3)
     return {0, 0};
   const Vec3 p = vec(mesh.point(v)), e = ring.normal.unitOrthogonal(), f = ring.normal.cross(e);
-  Eigen::MatrixXd basis(rows, most_unknowns);
+  Eigen::MatrixXd basis(rows, quadric_terms);
   Eigen::VectorXd height(rows);
   for (Eigen::Index i = 0; i < rows; ++i) {
     const Vec3 q = vec(mesh.point(around[static_cast<std::size_t>(i)])) - p;
@@ -64,7 +64,7 @@ std::pair<double, double> over_quadric(const Mesh& mesh, Vertex v, const VertexR
     height[i] = ring.normal.dot(q);
   }
   const Eigen::VectorXd fit = basis.colPivHouseholderQr().solve(height);
-  const double scatter = (basis * fit - height).norm() / std::sqrt(static_cast<double>(rows - most_unknowns));
+  const double scatter = (basis * fit - height).norm() / std::sqrt(static_cast<double>(rows - quadric_terms));
   return {-fit[0], scatter};
 }
 
@@ -87,11 +87,12 @@ void flatten_spikes(Mesh& mesh, std::vector<Repair>& repairs) {
   Vec3 where = Vec3::Zero();
   for (Vertex v : mesh.vertices()) {
     const VertexRing ring = ring_of(mesh, v);
-    if (ring.vertices.size() > most_neighbours || std::abs(over_ring(mesh, v, ring)) < worth_a_look * ring.edge ||
-        near_cap(mesh, region, ring))
+    if (ring.vertices.size() > most_neighbours ||
+        std::abs(height_over_ring(mesh, v, ring)) < least_ring_height * ring.edge || near_cap(mesh, region, ring))
       continue;
-    const auto [height, scatter] = over_quadric(mesh, v, ring);
-    if (std::abs(height) < std::max({least_slope * ring.edge, least_radii * radius, least_outlier * scatter}))
+    const auto [height, scatter] = height_over_quadric(mesh, v, ring);
+    if (std::abs(height) <
+        std::max({least_spike_slope * ring.edge, least_spike_radii * radius, least_outlier_ratio * scatter}))
       continue;
     moves.emplace_back(v, vec(mesh.point(v)) - height * ring.normal);
     if (std::abs(height) > highest) {
@@ -105,7 +106,7 @@ void flatten_spikes(Mesh& mesh, std::vector<Repair>& repairs) {
     mesh.point(v) = point(p);
   char detail[128];
   std::snprintf(detail, sizeof detail, "single vertices up to %.3f mm off the wall round them, the highest at %s",
-                highest, place(where).c_str());
+                highest, point_text(where).c_str());
   repairs.push_back({"spikes flattened", moves.size(), detail});
 }
 
@@ -116,7 +117,8 @@ Roughness roughness_of(const Mesh& mesh) {
   for (Vertex v : mesh.vertices()) {
     const VertexRing ring = ring_of(mesh, v);
     const double n = static_cast<double>(ring.vertices.size());
-    off.push_back(over_ring(mesh, v, ring) / std::sqrt(1 + 1 / n)); // 1 / n: the mean of n neighbours scatters too
+    off.push_back(height_over_ring(mesh, v, ring) /
+                  std::sqrt(1 + 1 / n)); // 1 / n: the mean of n neighbours scatters too
     mean += off.back() / static_cast<double>(mesh.number_of_vertices());
     out.edge += ring.edge / static_cast<double>(mesh.number_of_vertices());
   }

@@ -1,5 +1,5 @@
 #include "repair/tips.hpp"
-#include "core/shortest_ways.hpp"
+#include "core/shortest_paths.hpp"
 #include <algorithm>
 #include <numeric>
 #include <set>
@@ -8,8 +8,8 @@ namespace anatomy {
 namespace {
 
 // The graph of the mesh's edges in both directions, with their lengths (mm) as costs.
-WayGraph edge_graph(const Mesh& mesh) {
-  std::vector<WayGraph::Link> links;
+CostGraph edge_graph(const Mesh& mesh) {
+  std::vector<CostGraph::Link> links;
   std::vector<double> lengths;
   for (Halfedge h : mesh.halfedges()) {
     links.emplace_back(mesh.source(h), mesh.target(h));
@@ -31,7 +31,7 @@ struct Sweep {
   std::vector<std::size_t> order;
 
   explicit Sweep(const Mesh& mesh, bool from_far_end = false) {
-    const WayGraph graph = edge_graph(mesh);
+    const CostGraph graph = edge_graph(mesh);
     root = farthest(graph.from(0).cost);
     if (from_far_end)
       root = farthest(graph.from(root).cost);

@@ -10,55 +10,57 @@ namespace anatomy {
 namespace {
 
 constexpr double trunk_radius = 4.5;      // mm: the trunk is filled by larger balls, so it is wider than 9 mm
-constexpr double least_length = 4.5;      // mm outside the trunk: corners of the trunk's ends and sinuses reach less
+constexpr double least_tree_length = 4.5; // mm outside the trunk: corners of the trunk's ends and sinuses reach less
 constexpr double widest_coronary = 12;    // mm, diameter of the widest ectatic arteries, single sacs excepted
 constexpr double aorta_with_one_end = 18; // mm, least diameter if closed at the valve; a coronary sac may be narrower
-constexpr double most_at_ostium = 9;      // mm, largest diameter of a coronary ostium
-constexpr double least_at_ostium = 0.8;   // mm, smallest diameter of a coronary ostium
-// Vertices of the wall, about, from which the balls are computed: for the result, and for the quick may_hold().
-constexpr std::size_t enough_vertices = 60000, few_vertices = 3000;
-constexpr double next_plane = 0.25;      // ball radii between successive planes that are tried across a tree
-constexpr double still_narrowing = 1.15; // ratio of ball radii one radius apart: above it the ostium's funnel goes on
-constexpr double like_section = 1.25;    // largest ratio of the areas of two sections half a radius apart
-constexpr double own_section = 2.5;      // areas of the ball's circle; a larger section extends into the aorta
-constexpr double covers = 1.15;          // half width of the cutting square over the section's reach from its centre
-constexpr double longest_funnel = 20;    // mm along the tree from the aorta, in which the ostium's plane is searched
-constexpr double ascending = 15;         // mm of the trunk's path, from which the direction to the arch is taken
-constexpr double beside_tree = 2;   // ball radii: an end nearer to the centre of a tree's ball belongs to that tree
-constexpr double beside_tip = 4;    // ball radii: so does a tip of the surface; a cap's corner lies at about 1.5 radii
-constexpr double lost_vessel = 10;  // mm, least prominence along the surface of a vessel that is reported as lost
-constexpr double nearer_root = 1.3; // ratio of the ostia's distances to the aorta's ends: below it the arch is unsure
-constexpr double least_angle = 60, most_angle = 165; // degrees between the ostia round the aorta: else names are unsure
+constexpr double widest_ostium = 9;       // mm, largest diameter of a coronary ostium
+constexpr double narrowest_ostium = 0.8;  // mm, smallest diameter of a coronary ostium
+// Vertices of the wall, about, from which the balls are computed: for the result, and for the quick may_hold_ball().
+constexpr std::size_t final_vertices = 60000, trial_vertices = 3000;
+constexpr double plane_step_radii = 0.25; // ball radii between successive planes that are tried across a tree
+constexpr double funnel_ratio = 1.15;     // ratio of ball radii one radius apart: above it the ostium's funnel goes on
+constexpr double similar_area_ratio = 1.25;   // largest ratio of the areas of two sections half a radius apart
+constexpr double largest_section_ratio = 2.5; // areas of the ball's circle; a larger section extends into the aorta
+constexpr double longest_funnel = 20; // mm along the tree from the aorta, in which the ostium's plane is searched
+constexpr double arch_direction_length = 15; // mm of the trunk's path, from which the direction to the arch is taken
+constexpr double tree_end_radii = 2; // ball radii: an end nearer to the centre of a tree's ball belongs to that tree
+constexpr double tree_tip_radii = 4; // ball radii: so does a tip of the surface; a cap's corner lies at about 1.5 radii
+constexpr double least_lost_prominence =
+    10; // mm, least prominence along the surface of a vessel that is reported as lost
+constexpr double least_root_ratio =
+    1.3; // ratio of the ostia's distances to the aorta's ends: below it the arch is unsure
+constexpr double least_ostia_angle = 60,
+                 most_ostia_angle = 165; // degrees between the ostia round the aorta: else names are unsure
 
 // The n of "every n-th vertex", so that about `vertices` remain.
-std::size_t every_for(const Mesh& mesh, std::size_t vertices) {
+std::size_t vertex_stride(const Mesh& mesh, std::size_t vertices) {
   return mesh.number_of_vertices() / vertices + 1;
 }
 
 // Whether a ball of more than `radius` (mm) may fit into the lumen. The test is quick as it uses only a part of the
 // vertices. This makes no ball smaller, so a "no" is certain.
-bool may_hold(const Mesh& mesh, double radius) {
-  const Balls balls = inner_balls(mesh, {}, every_for(mesh, few_vertices));
+bool may_hold_ball(const Mesh& mesh, double radius) {
+  const Balls balls = inner_balls(mesh, {}, vertex_stride(mesh, trial_vertices));
   return std::any_of(balls.radius.begin(), balls.radius.end(), [&](double r) { return r > radius; });
 }
 
 // Finds the plane across a tree where the funnel of its ostium has ended, and sets the tree's ostium and diameter. If
 // there is no such plane, the diameter stays 0. `scale` as in find_aorta().
 void find_ostium(const Mesh& mesh, const Slices& slices, double scale, CoronaryTree& tree) {
-  const BallWay& way = tree.offshoot.way;
-  const double from = tree.offshoot.from, until = std::max(0.0, from - longest_funnel * scale);
-  for (double where = from; where > until; where -= next_plane * way.radius[way.at(where)]) {
-    const double ball = way.radius[way.at(where)];
-    tree.ostium = {way.centre(where), -direction_of(mesh, way, where), ball};
-    if (where > ball && ball > still_narrowing * way.radius[way.at(where - ball)])
+  const BallPath& path = tree.offshoot.path;
+  const double from = tree.offshoot.outside_length, until = std::max(0.0, from - longest_funnel * scale);
+  for (double where = from; where > until; where -= plane_step_radii * path.radius[path.index_at(where)]) {
+    const double ball = path.radius[path.index_at(where)];
+    tree.ostium = {path.centre(where), -vessel_direction(mesh, path, where), ball};
+    if (where > ball && ball > funnel_ratio * path.radius[path.index_at(where - ball)])
       continue;
-    const Outline here = slices.outline({tree.ostium.centre, tree.ostium.normal});
-    if (here.area <= 0 || here.area > own_section * M_PI * ball * ball)
+    const SectionSize here = slices.section_size({tree.ostium.centre, tree.ostium.normal});
+    if (here.area <= 0 || here.area > largest_section_ratio * M_PI * ball * ball)
       continue;
     const Vec3 further = tree.ostium.centre + 0.5 * std::sqrt(here.area / M_PI) * tree.ostium.normal;
-    const double area = slices.outline({further, tree.ostium.normal}).area;
-    if (area > here.area / like_section && area < here.area * like_section) {
-      tree.ostium.radius = std::max(ball, covers * here.reach / half_width);
+    const double area = slices.section_size({further, tree.ostium.normal}).area;
+    if (area > here.area / similar_area_ratio && area < here.area * similar_area_ratio) {
+      tree.ostium.radius = std::max(ball, section_cover * here.reach / square_half_width);
       tree.diameter = 2 * std::sqrt(here.area / M_PI);
       return;
     }
@@ -77,14 +79,15 @@ std::vector<End> tagged_trunk_ends(Mesh& mesh, double radius) {
     for (Face f : faces)
       region[f] = next;
   }
-  return measured_ends(mesh);
+  return measure_ends(mesh);
 }
 
 // Unit direction along the aorta at the coronary ostia, towards the arch. The arch is on the side of the aorta's
 // farther end. Nothing if both ends are about equally far from the ostia.
 // @param ends the aorta's own ends
 // @param ostia midpoint of the two ostia, mm
-std::optional<Vec3> to_the_arch(const Trunk& trunk, const std::vector<End>& ends, const Vec3& ostia, double scale) {
+std::optional<Vec3> direction_to_arch(const Trunk& trunk, const std::vector<End>& ends, const Vec3& ostia,
+                                      double scale) {
   std::optional<Vec3> up;
   double longest = 0, shortest = 1e300;
   for (const End& end : ends) {
@@ -95,37 +98,37 @@ std::optional<Vec3> to_the_arch(const Trunk& trunk, const std::vector<End>& ends
     longest = d;
     Vec3 from = ostia, to = end.centre;
     double nearest = 1e300;
-    const std::vector<Vec3> way = trunk.way_to(end.centre);
-    for (const Vec3& p : way)
+    const std::vector<Vec3> path = trunk.path_to(end.centre);
+    for (const Vec3& p : path)
       if ((p - ostia).norm() < nearest) {
         nearest = (p - ostia).norm();
         from = p;
       }
-    for (auto p = way.rbegin(); p != way.rend() && (*p - from).norm() > ascending * scale; ++p)
+    for (auto p = path.rbegin(); p != path.rend() && (*p - from).norm() > arch_direction_length * scale; ++p)
       to = *p;
     up = (to - from).normalized();
   }
-  if (ends.size() > 1 && longest < nearer_root * shortest)
+  if (ends.size() > 1 && longest < least_root_ratio * shortest)
     return std::nullopt;
   return up;
 }
 
 // Names two trees by their order round the aorta. Returns why the names are not certain, or an empty text.
-std::string named_by_order(const Trunk& trunk, const std::vector<End>& ends, double scale,
-                           std::vector<CoronaryTree>& trees) {
+std::string name_by_order(const Trunk& trunk, const std::vector<End>& ends, double scale,
+                          std::vector<CoronaryTree>& trees) {
   if (trees.size() != 2)
     return "left and right are told of two trees only";
   const Vec3 ostia = 0.5 * (trees[0].ostium.centre + trees[1].ostium.centre);
-  const std::optional<Vec3> up = to_the_arch(trunk, ends, ostia, scale);
+  const std::optional<Vec3> up = direction_to_arch(trunk, ends, ostia, scale);
   if (!up)
     return "the ostia are about as far from the one end of the aorta as from the other";
-  const auto aside = [&](const Vec3& p) {
-    const Vec3 d = p - trunk.middle_near(ostia);
+  const auto perpendicular = [&](const Vec3& p) {
+    const Vec3 d = p - trunk.centre_near(ostia);
     return Vec3((d - d.dot(*up) * *up).normalized());
   };
-  const Vec3 a = aside(trees[0].ostium.centre), b = aside(trees[1].ostium.centre);
+  const Vec3 a = perpendicular(trees[0].ostium.centre), b = perpendicular(trees[1].ostium.centre);
   const double angle = std::acos(std::clamp(a.dot(b), -1.0, 1.0)) * 180 / M_PI;
-  if (angle < least_angle || angle > most_angle) {
+  if (angle < least_ostia_angle || angle > most_ostia_angle) {
     char text[120];
     std::snprintf(text, sizeof text, "the ostia are %.0f degrees apart round the aorta", angle);
     return text;
@@ -147,68 +150,69 @@ bool Aorta::is_evident(double scale) const {
 
 std::optional<Aorta> find_aorta(const Mesh& given, double scale) {
   const double radius = trunk_radius * scale;
-  if (!may_hold(given, radius))
+  if (!may_hold_ball(given, radius))
     return std::nullopt;
   Mesh mesh = given;
   const std::vector<End> all_ends = tagged_trunk_ends(mesh, radius);
   const std::optional<Trunk> trunk =
-      Trunk::of(inner_balls(mesh, all_ends, every_for(mesh, enough_vertices)), WallTree(mesh), radius);
+      Trunk::of(inner_balls(mesh, all_ends, vertex_stride(mesh, final_vertices)), WallTree(mesh), radius);
   if (!trunk)
     return std::nullopt;
   std::vector<End> ends;
   for (const End& end : all_ends)
-    if (end.radius() > radius && trunk->holds(end.centre - 0.5 * radius * end.normal))
+    if (end.radius() > radius && trunk->contains(end.centre - 0.5 * radius * end.normal))
       ends.push_back(end);
   Aorta aorta;
   aorta.diameter = 2 * trunk->radius();
   aorta.centre = trunk->centre();
   aorta.ends = ends.size();
   const Slices slices(given);
-  for (Offshoot& offshoot : trunk->offshoots(least_length * scale)) {
+  for (Offshoot& offshoot : trunk->offshoots(least_tree_length * scale)) {
     CoronaryTree tree;
-    tree.length = offshoot.from;
+    tree.length = offshoot.outside_length;
     tree.offshoot = std::move(offshoot);
     find_ostium(given, slices, scale, tree);
-    if (tree.diameter == 0 || (tree.diameter > least_at_ostium * scale && tree.diameter < most_at_ostium * scale))
+    if (tree.diameter == 0 || (tree.diameter > narrowest_ostium * scale && tree.diameter < widest_ostium * scale))
       aorta.trees.push_back(std::move(tree));
   }
   for (const End& end : all_ends)
     if (end.radius() <= radius && std::none_of(aorta.trees.begin(), aorta.trees.end(), [&](const CoronaryTree& tree) {
-          return radii_from(tree, end.centre) < beside_tree;
+          return distance_in_radii(tree, end.centre) < tree_end_radii;
         }))
-      aorta.stray.push_back(end);
-  for (const Tip& tip : tips_of(given, lost_vessel * scale)) {
+      aorta.stray_ends.push_back(end);
+  for (const Tip& tip : tips_of(given, least_lost_prominence * scale)) {
     const Vec3 p = vec(given.point(tip.vertex));
-    if (trunk->outside(p) > radius && std::none_of(aorta.trees.begin(), aorta.trees.end(),
-                                                   [&](const auto& tree) { return radii_from(tree, p) < beside_tip; }))
-      aorta.lost.push_back(p);
+    if (trunk->distance_outside(p) > radius &&
+        std::none_of(aorta.trees.begin(), aorta.trees.end(),
+                     [&](const auto& tree) { return distance_in_radii(tree, p) < tree_tip_radii; }))
+      aorta.lost_tips.push_back(p);
   }
   for (std::size_t t = 0; t < aorta.trees.size(); ++t)
     aorta.trees[t].name = "tree" + std::to_string(t + 1);
-  aorta.unnamed_since = named_by_order(*trunk, ends, scale, aorta.trees);
+  aorta.unnamed_reason = name_by_order(*trunk, ends, scale, aorta.trees);
   return aorta;
 }
 
-double radii_from(const CoronaryTree& tree, const Vec3& p) {
+double distance_in_radii(const CoronaryTree& tree, const Vec3& p) {
   double least = 1e300;
   for (const auto& [centre, radius] : tree.offshoot.balls)
     least = std::min(least, (centre - p).norm() / radius);
   return least;
 }
 
-std::optional<Plane> plane_at(const Mesh& mesh, const CoronaryTree& tree, const Vec3& p) {
-  const BallWay& way = tree.offshoot.way;
-  const auto nearest = std::min_element(way.points.begin(), way.points.end(),
+std::optional<Plane> plane_across_tree(const Mesh& mesh, const CoronaryTree& tree, const Vec3& p) {
+  const BallPath& path = tree.offshoot.path;
+  const auto nearest = std::min_element(path.points.begin(), path.points.end(),
                                         [&](const Vec3& a, const Vec3& b) { return (a - p).norm() < (b - p).norm(); });
-  const double where = way.s[static_cast<std::size_t>(nearest - way.points.begin())];
-  if (where >= tree.offshoot.from)
+  const double where = path.s[static_cast<std::size_t>(nearest - path.points.begin())];
+  if (where >= tree.offshoot.outside_length)
     return std::nullopt;
   const Slices slices(mesh);
-  Plane plane{way.centre(where), -direction_of(mesh, way, where), way.radius[way.at(where)]};
-  const Outline here = slices.outline({plane.centre, plane.normal});
+  Plane plane{path.centre(where), -vessel_direction(mesh, path, where), path.radius[path.index_at(where)]};
+  const SectionSize here = slices.section_size({plane.centre, plane.normal});
   if (here.area <= 0)
     return std::nullopt;
-  plane.radius = std::max(plane.radius, covers * here.reach / half_width);
+  plane.radius = std::max(plane.radius, section_cover * here.reach / square_half_width);
   return plane;
 }
 

@@ -19,9 +19,9 @@ struct Aorta {
   Vec3 centre = Vec3::Zero();      ///< mm, of that ball
   std::size_t ends = 0;            ///< number of its own ends: open or flat, and wider than 9 mm
   std::vector<CoronaryTree> trees; ///< left before right if they are certain, else the longest first
-  std::vector<End> stray;          ///< ends of coronary size on no tree, as of a tree cut off just behind its ostium
-  std::vector<Vec3> lost;          ///< mm, tips of vessels on the surface that no inscribed balls lead to
-  std::string unnamed_since;       ///< why left and right are not certain; empty if they are
+  std::vector<End> stray_ends;     ///< ends of coronary size on no tree, as of a tree cut off just behind its ostium
+  std::vector<Vec3> lost_tips;     ///< mm, tips of vessels on the surface that no inscribed balls lead to
+  std::string unnamed_reason;      ///< why left and right are not certain; empty if they are
 
   /// Whether it is certainly an aorta, even if the user does not say so. It has a coronary tree, and is wider than 12
   /// mm with two ends of its own, or wider than 18 mm with one. `scale` as in find_aorta().
@@ -37,10 +37,10 @@ std::optional<Aorta> find_aorta(const Mesh& mesh, double scale = 1);
 
 /// The plane across the tree's longest path at the place nearest to p (mm). Its normal points into the tree. Nothing if
 /// this place is in the aorta or no section surrounds it.
-std::optional<Plane> plane_at(const Mesh& mesh, const CoronaryTree& tree, const Vec3& p);
+std::optional<Plane> plane_across_tree(const Mesh& mesh, const CoronaryTree& tree, const Vec3& p);
 
 /// Distance from p (mm) to the centre of an inscribed ball of the tree, in radii of that ball: the least over all
 /// balls.
-double radii_from(const CoronaryTree& tree, const Vec3& p);
+double distance_in_radii(const CoronaryTree& tree, const Vec3& p);
 
 } // namespace anatomy

@@ -14,8 +14,8 @@ std::size_t end_near(const std::vector<End>& ends, const Vec3& p, const std::str
     return (a.centre - p).norm() < (b.centre - p).norm();
   });
   if ((nearest->centre - p).norm() > 3 * nearest->radius())
-    throw InputError("no end of the vessel near the given point", option, place(p),
-                     "the nearest end is at " + place(nearest->centre) + ": give a point near an end");
+    throw InputError("no end of the vessel near the given point", option, point_text(p),
+                     "the nearest end is at " + point_text(nearest->centre) + ": give a point near an end");
   return static_cast<std::size_t>(nearest - ends.begin());
 }
 
@@ -38,7 +38,8 @@ std::size_t inlet_of(const std::vector<End>& ends, const std::optional<Vec3>& in
   return static_cast<std::size_t>(largest - ends.begin());
 }
 
-Naming naming_given(const std::vector<End>& ends, const std::optional<Vec3>& inlet, const std::vector<Vec3>& outlets) {
+Naming naming_from_points(const std::vector<End>& ends, const std::optional<Vec3>& inlet,
+                          const std::vector<Vec3>& outlets) {
   Naming naming{inlet_of(ends, inlet), {}};
   if (outlets.empty())
     return naming;
@@ -46,7 +47,7 @@ Naming naming_given(const std::vector<End>& ends, const std::optional<Vec3>& inl
   for (std::size_t k = 0; k < outlets.size(); ++k) {
     const std::size_t e = end_near(ends, outlets[k], "--outlet");
     if (e == naming.inlet || naming.branch[e] >= 0)
-      throw InputError("two points name the same end", "--outlet", place(outlets[k]),
+      throw InputError("two points name the same end", "--outlet", point_text(outlets[k]),
                        "give one point near each outlet");
     naming.branch[e] = static_cast<int>(k);
   }
@@ -57,7 +58,7 @@ Naming naming_given(const std::vector<End>& ends, const std::optional<Vec3>& inl
   return naming;
 }
 
-Naming naming_like(std::vector<End>& ends, const nlohmann::json& like) {
+Naming naming_from_earlier(std::vector<End>& ends, const nlohmann::json& like) {
   const auto& earlier = like.at("ends");
   if (earlier.size() != ends.size())
     throw InputError("the ends do not match the earlier state's", "ends",
@@ -77,7 +78,7 @@ Naming naming_like(std::vector<End>& ends, const nlohmann::json& like) {
       }
     }
     if (taken[best])
-      throw InputError("two ends match the same end of the earlier state", place(ends[e].centre),
+      throw InputError("two ends match the same end of the earlier state", point_text(ends[e].centre),
                        earlier[best].at("name").get<std::string>(),
                        "give the surface and the anatomy.json of the same vessel");
     taken[best] = true;

@@ -19,11 +19,12 @@ struct Naming {
 /// The naming of an earlier state of the same vessel, whose anatomy.json is `like`. Each end gets the role (inlet or
 /// outlet), the branch and the extension of the nearest end of that state. Throws InputError if the numbers of ends
 /// differ or if two ends are nearest to the same one.
-Naming naming_like(std::vector<End>& ends, const nlohmann::json& like);
+Naming naming_from_earlier(std::vector<End>& ends, const nlohmann::json& like);
 
 /// The naming by points (mm) that the user gave. inlet_of() finds the inlet. Each point of `outlets` names the end near
 /// it, the first one the outlet of `main`. Without `outlets` only the inlet is named. Throws InputError if a point is
 /// not near an end, if two points are near the same end, or if an outlet has no point.
-Naming naming_given(const std::vector<End>& ends, const std::optional<Vec3>& inlet, const std::vector<Vec3>& outlets);
+Naming naming_from_points(const std::vector<End>& ends, const std::optional<Vec3>& inlet,
+                          const std::vector<Vec3>& outlets);
 
 } // namespace anatomy

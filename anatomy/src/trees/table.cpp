@@ -2,12 +2,12 @@
 
 namespace anatomy {
 
-std::string table_of(const std::vector<TreeShown>& trees, const std::optional<Aorta>& aorta) {
+std::string table_of(const std::vector<TreeEntry>& trees, const std::optional<Aorta>& aorta) {
   if (!aorta)
     return "";
   char line[240];
   std::snprintf(line, sizeof line, "an aorta %.1f mm wide at %s with %zu coronary %s\n", aorta->diameter,
-                place(aorta->centre).c_str(), aorta->trees.size(), aorta->trees.size() == 1 ? "tree" : "trees");
+                point_text(aorta->centre).c_str(), aorta->trees.size(), aorta->trees.size() == 1 ? "tree" : "trees");
   std::string text = line;
   text += "tree    ostium: x        y        z  diameter  length  outlets\n";
   for (const auto& [tree, outlets] : trees) {
@@ -17,13 +17,13 @@ std::string table_of(const std::vector<TreeShown>& trees, const std::optional<Ao
     text += line;
   }
   if (trees.size() > 1)
-    text += aorta->unnamed_since.empty()
+    text += aorta->unnamed_reason.empty()
                 ? "choose one by --tree left or --tree right\n"
-                : "choose one by --ostium x,y,z; left and right are not certain: " + aorta->unnamed_since + "\n";
+                : "choose one by --ostium x,y,z; left and right are not certain: " + aorta->unnamed_reason + "\n";
   return text;
 }
 
-nlohmann::ordered_json document_of(const std::vector<TreeShown>& trees) {
+nlohmann::ordered_json document_of(const std::vector<TreeEntry>& trees) {
   auto list = nlohmann::ordered_json::array();
   for (const auto& [tree, outlets] : trees) {
     const Vec3& at = tree.ostium.centre;

@@ -5,15 +5,15 @@
 
 namespace anatomy {
 
-struct TreeShown {
+struct TreeEntry {
   CoronaryTree tree;
   std::size_t outlets = 0; ///< number of its outlets
 };
 
 /// A table to print, with the aorta's width and how to choose a tree; empty without an aorta.
-std::string table_of(const std::vector<TreeShown>& trees, const std::optional<Aorta>& aorta);
+std::string table_of(const std::vector<TreeEntry>& trees, const std::optional<Aorta>& aorta);
 
 /// The trees as a list for `anatomy ends` to draw: name, ostium_mm, diameter_mm, length_mm, outlets.
-nlohmann::ordered_json document_of(const std::vector<TreeShown>& trees);
+nlohmann::ordered_json document_of(const std::vector<TreeEntry>& trees);
 
 } // namespace anatomy

@@ -5,9 +5,9 @@
 namespace anatomy {
 namespace {
 
-constexpr double inscribed = 0.9; // least distance of an inscribed ball's centre from the wall over its radius
+constexpr double least_clearance = 0.9; // least distance of an inscribed ball's centre from the wall over its radius
 // Edge of a grid cell over least_radius. Of the balls whose centres are in one cell only the largest is used.
-constexpr double cell = 0.2;
+constexpr double cell_edge = 0.2;
 
 } // namespace
 
@@ -19,13 +19,13 @@ std::optional<Trunk> Trunk::of(const Balls& balls, const WallTree& wall, double 
   std::stable_sort(wide.begin(), wide.end(),
                    [&](std::size_t a, std::size_t b) { return balls.radius[a] > balls.radius[b]; });
   for (std::size_t i : wide)
-    if (wall.distance(balls.centre[i]) > inscribed * balls.radius[i])
+    if (wall.distance(balls.centre[i]) > least_clearance * balls.radius[i])
       return Trunk(balls, wall, i, least_radius);
   return std::nullopt;
 }
 
 Trunk::Trunk(const Balls& balls, const WallTree& wall, std::size_t largest, double least_radius)
-    : balls_(balls), largest_(largest), ways_(cheapest_ways(balls, largest)) {
+    : balls_(balls), largest_(largest), paths_(cheapest_paths(balls, largest)) {
   std::vector<bool> seen(balls_.centre.size(), false);
   std::vector<std::size_t> front{largest_};
   std::map<std::array<long, 3>, std::size_t> in_cell;
@@ -35,7 +35,7 @@ Trunk::Trunk(const Balls& balls, const WallTree& wall, std::size_t largest, doub
     front.pop_back();
     std::array<long, 3> at;
     for (int k = 0; k < 3; ++k)
-      at[static_cast<std::size_t>(k)] = std::lround(balls_.centre[i][k] / (cell * least_radius));
+      at[static_cast<std::size_t>(k)] = std::lround(balls_.centre[i][k] / (cell_edge * least_radius));
     const auto [place, first] = in_cell.emplace(at, i);
     if (!first && balls_.radius[i] > balls_.radius[place->second])
       place->second = i;
@@ -47,21 +47,21 @@ Trunk::Trunk(const Balls& balls, const WallTree& wall, std::size_t largest, doub
   }
   for (const auto& [at, i] : in_cell) {
     balls_.radius[i] = std::min(balls_.radius[i], wall.distance(balls_.centre[i]));
-    filling_.push_back(i);
+    filling_balls_.push_back(i);
   }
 }
 
-double Trunk::outside(const Vec3& p) const {
+double Trunk::distance_outside(const Vec3& p) const {
   double least = unreached;
-  for (std::size_t i : filling_)
+  for (std::size_t i : filling_balls_)
     least = std::min(least, (p - balls_.centre[i]).norm() - balls_.radius[i]);
   return least;
 }
 
-Vec3 Trunk::middle_near(const Vec3& p) const {
+Vec3 Trunk::centre_near(const Vec3& p) const {
   std::size_t best = largest_;
   double radius = 0;
-  for (std::size_t i : filling_)
+  for (std::size_t i : filling_balls_)
     if ((p - balls_.centre[i]).norm() < balls_.radius[i] && balls_.radius[i] > radius) {
       best = i;
       radius = balls_.radius[i];
@@ -69,30 +69,31 @@ Vec3 Trunk::middle_near(const Vec3& p) const {
   return balls_.centre[best];
 }
 
-std::vector<Vec3> Trunk::way_to(const Vec3& p) const {
-  const auto nearest = std::min_element(filling_.begin(), filling_.end(), [&](std::size_t a, std::size_t b) {
-    return (balls_.centre[a] - p).squaredNorm() < (balls_.centre[b] - p).squaredNorm();
-  });
-  const BallWay way(balls_, ways_, *nearest);
-  return {way.points.rbegin(), way.points.rend()};
+std::vector<Vec3> Trunk::path_to(const Vec3& p) const {
+  const auto nearest =
+      std::min_element(filling_balls_.begin(), filling_balls_.end(), [&](std::size_t a, std::size_t b) {
+        return (balls_.centre[a] - p).squaredNorm() < (balls_.centre[b] - p).squaredNorm();
+      });
+  const BallPath path(balls_, paths_, *nearest);
+  return {path.points.rbegin(), path.points.rend()};
 }
 
 std::vector<Offshoot> Trunk::offshoots(double least_length) const {
   const std::size_t n = balls_.centre.size();
   std::vector<bool> inside(n);
   for (std::size_t i = 0; i < n; ++i)
-    inside[i] = ways_.cost[i] >= unreached || holds(balls_.centre[i]);
+    inside[i] = paths_.cost[i] >= unreached || contains(balls_.centre[i]);
   // distance (mm) of each ball along its path from the place at which the path leaves the trunk
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return ways_.cost[a] < ways_.cost[b]; });
+                   [&](std::size_t a, std::size_t b) { return paths_.cost[a] < paths_.cost[b]; });
   std::vector<double> out(n, 0);
   for (std::size_t i : order)
     if (!inside[i]) {
-      const std::size_t before = ways_.before[i];
-      out[i] =
-          inside[before] ? outside(balls_.centre[i]) : out[before] + (balls_.centre[i] - balls_.centre[before]).norm();
+      const std::size_t before = paths_.previous[i];
+      out[i] = inside[before] ? distance_outside(balls_.centre[i])
+                              : out[before] + (balls_.centre[i] - balls_.centre[before]).norm();
     }
   std::vector<Offshoot> offshoots;
   std::vector<bool> seen = inside;
@@ -111,13 +112,13 @@ std::vector<Offshoot> Trunk::offshoots(double least_length) const {
                                               [&](std::size_t a, std::size_t b) { return out[a] < out[b]; });
     if (out[tip] < least_length)
       continue;
-    BallWay way(balls_, ways_, tip);
-    offshoots.push_back({std::move(way), out[tip], {}});
+    BallPath path(balls_, paths_, tip);
+    offshoots.push_back({std::move(path), out[tip], {}});
     for (std::size_t i : members)
       offshoots.back().balls.emplace_back(balls_.centre[i], balls_.radius[i]);
   }
   std::stable_sort(offshoots.begin(), offshoots.end(),
-                   [](const Offshoot& a, const Offshoot& b) { return a.from > b.from; });
+                   [](const Offshoot& a, const Offshoot& b) { return a.outside_length > b.outside_length; });
   return offshoots;
 }
 

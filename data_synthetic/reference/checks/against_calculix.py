@@ -19,10 +19,10 @@ AROUND, THROUGH = 16, 4
 INNER_MM, C10_MPA, C20_MPA, BULK_MPA = 0.8, 0.05, 0.2, 20.0
 PRESSURES_MPA = (0.045, 0.075, 0.0)
 INCREMENTS = 12  # in which each load step is applied, in both programs
-SEAT_MPA_PER_MM = 1e-7  # support that keeps the slice from rigid motion; in CalculiX pinned nodes do so
+RIGID_SUPPORT_MPA_PER_MM = 1e-7  # support that keeps the slice from rigid motion; in CalculiX pinned nodes do so
 
 
-def ring():
+def ring_geometry():
     """(theta, inner, outer) of the ring, each (2 AROUND,): angles in rad of the nodes, radii in mm of both edges.
 
     The plaque is the inner half of the thickness.
@@ -33,8 +33,8 @@ def ring():
 
 def slice_positions():
     """Positions (load steps, 2 AROUND, 2) in mm of the lumen's nodes by the slice."""
-    theta, inner, outer = ring()
-    model = SliceModel(AROUND, THROUGH, C10_MPA, C20_MPA, BULK_MPA, SEAT_MPA_PER_MM)
+    theta, inner, outer = ring_geometry()
+    model = SliceModel(AROUND, THROUGH, C10_MPA, C20_MPA, BULK_MPA, RIGID_SUPPORT_MPA_PER_MM)
     plaque = materials.FIBROUS
 
     def tissue(angle, radius):
@@ -53,17 +53,17 @@ def slice_positions():
 
 def ring_layer():
     """The ring as one layer of CalculiX's elements."""
-    return calculix.layer(*ring(), THROUGH)
+    return calculix.build_layer(*ring_geometry(), THROUGH)
 
 
-def deck():
+def input_deck():
     """Text of the CalculiX input."""
     layer, plaque = ring_layer(), materials.FIBROUS
-    inside = layer.depth < THROUGH // 2
+    inside = layer.depth_index < THROUGH // 2
     out = calculix.mesh_lines(layer, {"PLAQUE": inside, "WALL": ~inside})
-    out += ["*ELSET, ELSET=INSIDE", *calculix.lines(np.flatnonzero(layer.depth == 0) + 1)]
+    out += ["*ELSET, ELSET=INSIDE", *calculix.comma_lines(np.flatnonzero(layer.depth_index == 0) + 1)]
     # One node of the outside is pinned; the opposite one stays on the ring's axis of symmetry.
-    out += ["*BOUNDARY", f"{layer.outside[0]}, 1, 2", f"{layer.outside[AROUND]}, 2, 2"]
+    out += ["*BOUNDARY", f"{layer.outer_nodes[0]}, 1, 2", f"{layer.outer_nodes[AROUND]}, 2, 2"]
     out += calculix.plaque_lines("PLAQUE", plaque.shear_mpa, plaque.yield_mpa, plaque.hardening_mpa, BULK_MPA)
     out += calculix.wall_lines("WALL", C10_MPA, C20_MPA, BULK_MPA)
     out += [f"*SOLID SECTION, ELSET={name}, MATERIAL={name}" for name in ("PLAQUE", "WALL")]
@@ -76,20 +76,21 @@ def deck():
 def calculix_positions(program, folder):
     """Positions (load steps, nodes round the lumen, 2) in mm by CalculiX, run in `folder`.
 
-    Raises InputError and ComputationError, as `calculix.printed` does.
+    Raises InputError and ComputationError, as `calculix.run_and_read` does.
     """
-    theta, inner, _ = ring()
-    moved = calculix.printed(program, deck(), folder, "displacements", len(PRESSURES_MPA), len(theta))
+    theta, inner, _ = ring_geometry()
+    moved = calculix.run_and_read(program, input_deck(), folder, "displacements", len(PRESSURES_MPA), len(theta))
     return np.stack([inner * np.cos(theta), inner * np.sin(theta)], axis=1) + moved
 
 
-def compared(ours, theirs):
+def comparison_rows(by_slice, by_calculix):
     """A row (dict) for each load step: mean radii (mm) of the lumen by both codes, and their largest difference.
 
-    ours, theirs: positions by slice and CalculiX. The difference is that of nodes after both centroids are aligned.
+    by_slice, by_calculix: positions by slice and CalculiX. The difference is that of nodes after both centroids are
+    aligned.
     """
     found = []
-    for pressure, a, b in zip(PRESSURES_MPA, ours, theirs):
+    for pressure, a, b in zip(PRESSURES_MPA, by_slice, by_calculix):
         a, b = a - a.mean(axis=0), b - b.mean(axis=0)
         radii = [float(np.linalg.norm(v, axis=1).mean()) for v in (a, b)]
         found.append(
@@ -107,8 +108,8 @@ def compared(ours, theirs):
 def compare(out, program="ccx"):
     """Writes `out`/slices_vs_calculix.json. Raises InputError, ComputationError."""
     with tempfile.TemporaryDirectory() as folder:
-        theirs = calculix_positions(program, folder)
-    document = {"schema": "vci-slices-vs-calculix-1", "loads": compared(slice_positions(), theirs)}
+        by_calculix = calculix_positions(program, folder)
+    document = {"schema": "vci-slices-vs-calculix-1", "loads": comparison_rows(slice_positions(), by_calculix)}
     write_json(pathlib.Path(out) / "slices_vs_calculix.json", document)
     for load in document["loads"]:
         print(", ".join(f"{key} {value:.6g}" for key, value in load.items()))

@@ -17,12 +17,12 @@ from .. import run
 from ..slices import slices
 from ..tube.procedure import TreatedTube, enclosed_area
 
-STEP_MM = 0.1
-EDGE_MM = 1.5  # to each side of a stent end; areas there are compared separately
-END_MM = 1.0  # at each end of the computed stretch; not compared, since the solid is held there
+SAMPLE_SPACING_MM = 0.1
+STENT_EDGE_MM = 1.5  # to each side of a stent end; areas there are compared separately
+EXCLUDED_END_MM = 1.0  # at each end of the computed stretch; not compared, since the solid is held there
 
 
-def parsed(text):
+def parse_mesh(text):
     """(elements round, elements through, element length mm) from a text such as 12x4x1.1. Raises InputError."""
     match = re.fullmatch(r"(\d+)x(\d+)x(\d+(?:\.\d+)?)", text)
     mesh = (int(match[1]), int(match[2]), float(match[3])) if match else (0, 0, 0.0)
@@ -36,7 +36,7 @@ def parsed(text):
     return mesh
 
 
-def slice_profile(field, branch, s_mm):
+def slice_areas(field, branch, s_mm):
     """Area (n,) in mm2 of the lumen by the slices at arc lengths s_mm (n,)."""
     theta = 2 * np.pi * np.arange(96) / 96
     s, angle = (v.ravel() for v in np.meshgrid(s_mm, theta, indexing="ij"))
@@ -44,19 +44,19 @@ def slice_profile(field, branch, s_mm):
     return enclosed_area(*moved.reshape(len(s_mm), len(theta), 2).transpose(2, 0, 1))
 
 
-def compared(s_mm, area, against, span_mm):
-    """Errors in per cent of `area` (n,) against `against` (n,), both in mm2 at arc lengths s_mm (n,).
+def area_errors(s_mm, area, reference_area, span_mm):
+    """Errors in per cent of `area` (n,) against `reference_area` (n,), both in mm2 at arc lengths s_mm (n,).
 
     They are given for the area by region, for the smallest area within the stent, and for the resistance (sum of A^-2).
     span_mm: arc lengths (2,) of the stent's ends.
     """
-    error = 100 * (area / against - 1)
-    away = np.minimum(np.abs(s_mm - span_mm[0]), np.abs(s_mm - span_mm[1]))
+    error = 100 * (area / reference_area - 1)
+    distance_to_edge = np.minimum(np.abs(s_mm - span_mm[0]), np.abs(s_mm - span_mm[1]))
     stented = (s_mm >= span_mm[0]) & (s_mm <= span_mm[1])
     regions = {
-        "stent": stented & (away > EDGE_MM),
-        "stent_edges": away <= EDGE_MM,
-        "beyond": ~stented & (away > EDGE_MM),
+        "stent": stented & (distance_to_edge > STENT_EDGE_MM),
+        "stent_edges": distance_to_edge <= STENT_EDGE_MM,
+        "beyond": ~stented & (distance_to_edge > STENT_EDGE_MM),
     }
     found = {
         f"{name}_area_percent": {
@@ -67,45 +67,46 @@ def compared(s_mm, area, against, span_mm):
         for name, at in regions.items()
         if at.any()
     }
-    smallest, other = area[stented].min(), against[stented].min()
-    found["minimal_lumen_area_in_stent_percent"] = float(100 * (smallest / other - 1))
-    found["resistance_percent"] = float(100 * (np.sum(area**-2.0) / np.sum(against**-2.0) - 1))
+    smallest, smallest_reference = area[stented].min(), reference_area[stented].min()
+    found["minimal_lumen_area_in_stent_percent"] = float(100 * (smallest / smallest_reference - 1))
+    found["resistance_percent"] = float(100 * (np.sum(area**-2.0) / np.sum(reference_area**-2.0) - 1))
     return found
 
 
 def compare(scene_path, truth_path, out, meshes, settings_path=None):
     """Writes `out`/slices_vs_3d.json: both areas along the axis, their differences, and differences between the meshes.
 
-    meshes: texts for `parsed`, coarse to fine; slices are compared with the last. Raises InputError, ComputationError.
+    meshes: texts for `parse_mesh`, coarse to fine; slices are compared with the last. Raises InputError,
+    ComputationError.
     """
     logging.disable(logging.INFO)
-    parsed_meshes = [parsed(text) for text in meshes]
+    parsed_meshes = [parse_mesh(text) for text in meshes]
     scene, settings = run.load_scene(scene_path), config.load_section(settings_path, "reference")
-    patient, steps = run.patient_and_steps(scene, scene_path, truth_path)
-    begun = time.perf_counter()
-    field, records, free_s = slices.lumen_field(slices.model_of(settings), patient, steps, settings)
-    slice_seconds = time.perf_counter() - begun
-    s = np.arange(free_s[0] + END_MM, free_s[-1] - END_MM, STEP_MM)
-    area = slice_profile(field, patient.branch, s)
+    patient, steps = run.read_patient_and_steps(scene, scene_path, truth_path)
+    start = time.perf_counter()
+    field, records, unstented_s = slices.solve_lumen(slices.slice_model(settings), patient, steps, settings)
+    slice_seconds = time.perf_counter() - start
+    s = np.arange(unstented_s[0] + EXCLUDED_END_MM, unstented_s[-1] - EXCLUDED_END_MM, SAMPLE_SPACING_MM)
+    area = slice_areas(field, patient.branch, s)
     solids, areas = [], []
     for text, mesh in zip(meshes, parsed_meshes):
-        begun = time.perf_counter()
+        start = time.perf_counter()
         print(f"solid of {text} elements", file=sys.stderr)
         tube = TreatedTube(patient, steps, settings, mesh)
         tube.run()
-        areas.append(np.interp(s, *tube.profile()))
+        areas.append(np.interp(s, *tube.area_profile()))
         solids.append(
             {
                 "mesh": text,
                 "degrees_of_freedom": tube.model.degrees_of_freedom(),
                 "iterations": tube.model.iterations,
-                "seconds": round(time.perf_counter() - begun, 1),
+                "seconds": round(time.perf_counter() - start, 1),
                 "area_mm2": areas[-1].round(6).tolist(),
-                "slices_against_it": compared(s, area, areas[-1], tube.span),
+                "slices_against_it": area_errors(s, area, areas[-1], tube.stented_span),
             }
         )
         if len(areas) > 1:
-            solids[-1]["mesh_before_against_it"] = compared(s, areas[-2], areas[-1], tube.span)
+            solids[-1]["mesh_before_against_it"] = area_errors(s, areas[-2], areas[-1], tube.stented_span)
     document = {
         "schema": "vci-slices-vs-3d-1",
         "case": scene.get("case"),

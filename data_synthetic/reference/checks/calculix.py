@@ -1,8 +1,8 @@
 """CalculiX (ccx 2.20), another finite-element code: a plane-strain slice as one layer of its elements, and its run.
 
-The elements are C3D20R between z = 0 and HEIGHT_MM, with all nodes held in z. As in the slice, finite plasticity is
-that of Simo (*PLASTIC with NLGEOM). CalculiX's Yeoh energy penalises a change of volume by (J - 1)^2, that of the slice
-by (J^2 - 1)/2 - ln J.
+The elements are C3D20R between z = 0 and LAYER_HEIGHT_MM, with all nodes held in z. As in the slice, finite plasticity
+is that of Simo (*PLASTIC with NLGEOM). CalculiX's Yeoh energy penalises a change of volume by (J - 1)^2, that of the
+slice by (J^2 - 1)/2 - ln J.
 """
 
 import os
@@ -15,44 +15,45 @@ import numpy as np
 
 from common.errors import ComputationError, InputError
 
-HEIGHT_MM = 0.2
+LAYER_HEIGHT_MM = 0.2
 TIMEOUT_S = 1800
 
 
 @dataclass(frozen=True)
-class Layer:
+class ElementLayer:
     """One layer of 20-node bricks in a ring.
 
-    coordinates: {node number: (x, y, z)} in mm. elements (n, 20): node numbers. column, depth (n,): an element's place
-    round the ring and through the wall. lumen (2 around,), outside (2 around,): numbers of the nodes at z = 0 on the
-    inner and the outer circle. top: the node at z = HEIGHT_MM above a node has the node's number plus `top`.
+    coordinates: {node number: (x, y, z)} in mm. elements (n, 20): node numbers. ring_index, depth_index (n,): an
+    element's place round the ring and through the wall. lumen_nodes (2 around,), outer_nodes (2 around,): numbers of
+    the nodes at z = 0 on the inner and the outer circle. top_offset: the node at z = LAYER_HEIGHT_MM above a node has
+    the node's number plus `top_offset`.
     """
 
     coordinates: dict
     elements: np.ndarray
-    column: np.ndarray
-    depth: np.ndarray
-    lumen: np.ndarray
-    outside: np.ndarray
-    top: int
+    ring_index: np.ndarray
+    depth_index: np.ndarray
+    lumen_nodes: np.ndarray
+    outer_nodes: np.ndarray
+    top_offset: int
 
-    def whole_lumen(self):
-        """Lumen nodes at all heights, sorted: (numbers (n,), index into `lumen` of the node below each (n,))."""
-        column = {int(node): place for place, node in enumerate(self.lumen)}
-        levels = (0, self.top // 2, self.top)
+    def lumen_nodes_all_heights(self):
+        """Lumen nodes at all heights, sorted: (numbers (n,), index into `lumen_nodes` of the node below each (n,))."""
+        column = {int(node): place for place, node in enumerate(self.lumen_nodes)}
+        levels = (0, self.top_offset // 2, self.top_offset)
         above = {node + level: place for node, place in column.items() for level in levels}
         numbers = sorted(node for node in above if node in self.coordinates)
         return np.array(numbers), np.array([above[node] for node in numbers])
 
-    def prescribed_lines(self, moved_mm):
+    def displacement_lines(self, moved_mm):
         """Lines of input that prescribe displacements (2 around, 2) in mm of the lumen's nodes, at all heights."""
         out = ["*BOUNDARY"]
-        for node, place in zip(*self.whole_lumen()):
+        for node, place in zip(*self.lumen_nodes_all_heights()):
             out += [f"{node}, {d + 1}, {d + 1}, {moved_mm[place, d]:.12g}" for d in (0, 1)]
         return out
 
 
-def layer(theta, inner, outer, through):
+def build_layer(theta, inner, outer, through):
     """The Layer with nodes on rays at angles theta (2 around,) in rad, and `through` elements through the wall.
 
     inner, outer (2 around,): radii in mm of both edges on each ray.
@@ -75,7 +76,7 @@ def layer(theta, inner, outer, through):
             places.append((i // 2, j // 2))
     used = {n for element in elements for n in element}
     coordinates = {
-        number(i, j, k): (x[i, j], y[i, j], 0.5 * k * HEIGHT_MM)
+        number(i, j, k): (x[i, j], y[i, j], 0.5 * k * LAYER_HEIGHT_MM)
         for k in range(3)
         for i in range(columns)
         for j in range(rows)
@@ -83,10 +84,10 @@ def layer(theta, inner, outer, through):
     }
     column, depth = np.array(places).T
     lumen, outside = (np.array([number(i, j, 0) for i in range(columns)]) for j in (0, rows - 1))
-    return Layer(coordinates, np.array(elements), column, depth, lumen, outside, 2 * columns * rows)
+    return ElementLayer(coordinates, np.array(elements), column, depth, lumen, outside, 2 * columns * rows)
 
 
-def lines(values, per_line=12):
+def comma_lines(values, per_line=12):
     """Lines of numbers separated by commas, at most per_line numbers in a line."""
     values = [str(v) for v in values]
     return [", ".join(values[i : i + per_line]) + "," for i in range(0, len(values), per_line)]
@@ -102,12 +103,12 @@ def mesh_lines(ring, sets):
     for name, chosen in sets.items():
         out.append(f"*ELEMENT, TYPE=C3D20R, ELSET={name}")
         for number in np.flatnonzero(chosen):
-            out += lines([number + 1, *ring.elements[number]], 11)
+            out += comma_lines([number + 1, *ring.elements[number]], 11)
     return out + [
         "*NSET, NSET=LUMEN",
-        *lines(ring.lumen),
+        *comma_lines(ring.lumen_nodes),
         "*NSET, NSET=WHOLELUMEN",
-        *lines(ring.whole_lumen()[0]),
+        *comma_lines(ring.lumen_nodes_all_heights()[0]),
         "*BOUNDARY",
         "ALL, 3, 3",
     ]
@@ -131,7 +132,7 @@ def support_lines(ring, support_mpa_per_mm):
 
     Simpson's rule on each element's side shares the support (MPa/mm) out among the nodes.
     """
-    numbers, places = ring.outside, np.array([ring.coordinates[n][:2] for n in ring.outside])
+    numbers, places = ring.outer_nodes, np.array([ring.coordinates[n][:2] for n in ring.outer_nodes])
     first, middle, last = places[0::2], places[1::2], np.roll(places[0::2], -1, axis=0)
     points, weights = np.polynomial.legendre.leggauss(4)
     length = sum(
@@ -143,20 +144,20 @@ def support_lines(ring, support_mpa_per_mm):
     share[0::2] = (length + np.roll(length, 1)) / 6
     out, element = [], len(ring.elements)
     for node, part in zip(numbers, share):
-        stiffness = 0.5 * support_mpa_per_mm * HEIGHT_MM * part
+        stiffness = 0.5 * support_mpa_per_mm * LAYER_HEIGHT_MM * part
         for direction in (1, 2):
             name = f"SUPPORT{node}D{direction}"
             out += [
                 f"*ELEMENT, TYPE=SPRING1, ELSET={name}",
                 f"{element + 1}, {node}",
-                f"{element + 2}, {node + ring.top}",
+                f"{element + 2}, {node + ring.top_offset}",
             ]
             out += [f"*SPRING, ELSET={name}", f"{direction}", f"{stiffness:.12g}"]
             element += 2
     return out
 
 
-def printed(program, text, folder, kind, steps, nodes):
+def run_and_read(program, text, folder, kind, steps, nodes):
     """Displacements (mm) or forces (N), (steps, nodes, 2), that CalculiX prints for a node set after each load step.
 
     text: the input; kind: "displacements" or "forces"; steps, nodes: the expected numbers. CalculiX runs in `folder`.

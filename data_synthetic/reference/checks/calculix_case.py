@@ -33,13 +33,13 @@ class RecordedSlice(SliceModel):
     def place(self, inner_mm, outer_mm, material):
         """As SliceModel, and clears the record."""
         super().place(inner_mm, outer_mm, material)
-        self.recorded = []
+        self.records = []
 
     def advance(self, target, name="load"):
         """As SliceModel, and records the state reached."""
         super().advance(target, name)
         at, loads = self.lumen_position(), self.loads()
-        self.recorded.append({"name": name, "lumen": at, "pressure": mean_pressure(at, loads), "loads": loads})
+        self.records.append({"name": name, "lumen": at, "pressure": mean_pressure(at, loads), "loads": loads})
 
 
 def mean_pressure(lumen, loads):
@@ -71,11 +71,11 @@ class Section:
     def __init__(self, patient, s_mm, settings):
         around, self.through = settings["elements_around"], settings["elements_through"]
         self.theta = np.pi * np.arange(2 * around) / around
-        self.inner, self.outer = tissue.rays(patient.branch, patient.wall_mm, s_mm, self.theta)
+        self.inner, self.outer = tissue.inner_outer_radii(patient.branch, patient.wall_mm, s_mm, self.theta)
         depth = (np.arange(self.through) + 0.5) / self.through
         radius = self.inner[1::2, None] + (self.outer - self.inner)[1::2, None] * depth
         angle = np.broadcast_to(self.theta[1::2, None], radius.shape)
-        values = tissue.constants(patient.branch, np.full(radius.size, s_mm), angle.ravel(), radius.ravel())
+        values = tissue.material_constants(patient.branch, np.full(radius.size, s_mm), angle.ravel(), radius.ravel())
         self.tissues = np.stack(values, axis=1).reshape(around, self.through, 4)
         self.tissues[..., 0] = self.tissues[..., 0] > 0.5
 
@@ -91,10 +91,10 @@ class Section:
         depth = (radius - edges[0]) / (edges[1] - edges[0]) * self.through
         return tuple(self.tissues[column, np.clip(depth.astype(int), 0, self.through - 1)].T)
 
-    def deck(self, settings, lumens):
+    def input_deck(self, settings, lumens):
         """Text of CalculiX's input: a step for each of the lumens (steps, 2 around, 2), positions in mm."""
-        layer = calculix.layer(self.theta, self.inner, self.outer, self.through)
-        each = self.tissues[layer.column, layer.depth].copy()
+        layer = calculix.build_layer(self.theta, self.inner, self.outer, self.through)
+        each = self.tissues[layer.ring_index, layer.depth_index].copy()
         each[each[:, 0] == 0, 1:] = 0
         kinds, of_element = np.unique(each.round(9), axis=0, return_inverse=True)
         sets = {f"TISSUE{k}": of_element == k for k in range(len(kinds))}
@@ -106,7 +106,7 @@ class Section:
         out += [f"*SOLID SECTION, ELSET={name}, MATERIAL={name}" for name in sets]
         out += calculix.support_lines(layer, settings["support_mpa_per_mm"])
         for moved in lumens - self.lumen():
-            out += ["*STEP, NLGEOM, INC=1000", "*STATIC", "0.5, 1., 1e-6, 1.", *layer.prescribed_lines(moved)]
+            out += ["*STEP, NLGEOM, INC=1000", "*STATIC", "0.5, 1., 1e-6, 1.", *layer.displacement_lines(moved)]
             out += ["*NODE PRINT, NSET=WHOLELUMEN, FREQUENCY=1000", "RF", "*END STEP"]
         return "\n".join(out) + "\n"
 
@@ -115,36 +115,36 @@ class Section:
         return self.inner[:, None] * np.stack([np.cos(self.theta), np.sin(self.theta)], axis=1)
 
 
-def stages(recorded, steps):
+def procedure_stages(recorded, steps):
     """[(step name, "inflated" or "deflated", index of load step)] of the procedure's steps.
 
     Inflated is the load step with the widest lumen, deflated the last one.
     """
     found = []
     for step in steps:
-        mine = [k for k, entry in enumerate(recorded) if entry["name"].endswith(f"step {step.name}")]
-        if mine:
-            widest = max(mine, key=lambda k: areas(recorded[k]["lumen"][None])[0])
-            found += [(step.name, "inflated", widest), (step.name, "deflated", mine[-1])]
+        indices = [k for k, entry in enumerate(recorded) if entry["name"].endswith(f"step {step.name}")]
+        if indices:
+            widest = max(indices, key=lambda k: lumen_areas(recorded[k]["lumen"][None])[0])
+            found += [(step.name, "inflated", widest), (step.name, "deflated", indices[-1])]
     return found
 
 
-def areas(lumens):
+def lumen_areas(lumens):
     """Areas (n,) in mm2 of lumens (n, 2 around, 2)."""
     return enclosed_area(lumens[:, :, 0], lumens[:, :, 1])
 
 
-def compared(recorded, forces, steps):
+def comparison_rows(recorded, forces, steps):
     """A row (dict) for each stage: the lumen's area in mm2, the same in both codes, and both mean pressures in MPa.
 
-    worth_in_area_percent: the pressures' difference, converted to one of area. recorded: from by_slice.
-    forces: from by_calculix.
+    worth_in_area_percent: the pressures' difference, converted to one of area. recorded: from solve_by_slice.
+    forces: from solve_by_calculix.
     """
     rows = []
-    for name, stage, index in stages(recorded, steps):
-        entry, area = recorded[index], float(areas(recorded[index]["lumen"][None])[0])
+    for name, stage, index in procedure_stages(recorded, steps):
+        entry, area = recorded[index], float(lumen_areas(recorded[index]["lumen"][None])[0])
         position, force = forces[index]
-        theirs = float(np.sum(position * force) / (2 * area * calculix.HEIGHT_MM))
+        calculix_pressure = float(np.sum(position * force) / (2 * area * calculix.LAYER_HEIGHT_MM))
         radius = np.sqrt(area / np.pi)
         stiffness = max(_tissue_stiffness(recorded, index), 0.0) + _device_stiffness(entry["loads"])
         rows.append(
@@ -153,9 +153,9 @@ def compared(recorded, forces, steps):
                 "stage": stage,
                 "area_mm2": area,
                 "slice_pressure_mpa": entry["pressure"],
-                "calculix_pressure_mpa": theirs,
-                "pressure_difference_mpa": entry["pressure"] - theirs,
-                "worth_in_area_percent": float(200 * abs(entry["pressure"] - theirs) / (stiffness * radius)),
+                "calculix_pressure_mpa": calculix_pressure,
+                "pressure_difference_mpa": entry["pressure"] - calculix_pressure,
+                "worth_in_area_percent": float(200 * abs(entry["pressure"] - calculix_pressure) / (stiffness * radius)),
             }
         )
     return rows
@@ -168,7 +168,7 @@ def _device_stiffness(loads):
 
 def _tissue_stiffness(recorded, index):
     """Change of pressure over change of radius (MPa/mm) in load step `index`."""
-    radius = np.sqrt(areas(np.stack([entry["lumen"] for entry in recorded[index - 1 : index + 1]])) / np.pi)
+    radius = np.sqrt(lumen_areas(np.stack([entry["lumen"] for entry in recorded[index - 1 : index + 1]])) / np.pi)
     change = recorded[index]["pressure"] - recorded[index - 1]["pressure"]
     return change / (radius[1] - radius[0]) if abs(radius[1] - radius[0]) > 1e-6 else 0.0
 
@@ -179,17 +179,17 @@ def compare(scene_path, truth_path, out, program="ccx", s_mm=None, settings_path
     Raises InputError, ComputationError.
     """
     scene, settings = run.load_scene(scene_path), config.load_section(settings_path, "reference")
-    patient, steps = run.patient_and_steps(scene, scene_path, truth_path)
-    held = [step.stent for step in steps if step.stent]
-    if not held:
+    patient, steps = run.read_patient_and_steps(scene, scene_path, truth_path)
+    stents = [step.stent for step in steps if step.stent]
+    if not stents:
         raise InputError("no stent in the scene", f"{scene_path}: procedure", "none", "a plan with a stent")
     if s_mm is None:
-        places = np.linspace(*held[0].ends(), 200)
+        places = np.linspace(*stents[0].ends(), 200)
         s_mm = float(places[np.argmin(patient.branch.radius(places))])
     section = Section(patient, s_mm, settings)
-    recorded = by_slice(section, steps, s_mm, settings)
-    forces = by_calculix(section, recorded, settings, program)
-    rows = compared(recorded, forces, steps)
+    recorded = solve_by_slice(section, steps, s_mm, settings)
+    forces = solve_by_calculix(section, recorded, settings, program)
+    rows = comparison_rows(recorded, forces, steps)
     document = {"schema": "vci-case-vs-calculix-1", "case": scene.get("case"), "s_mm": s_mm, "stages": rows}
     write_json(pathlib.Path(out) / "case_vs_calculix.json", document)
     for row in rows:
@@ -197,19 +197,21 @@ def compare(scene_path, truth_path, out, program="ccx", s_mm=None, settings_path
     return document
 
 
-def by_slice(section, steps, s_mm, settings):
+def solve_by_slice(section, steps, s_mm, settings):
     """The records of a RecordedSlice that does the steps."""
     model = RecordedSlice(settings["elements_around"], section.through, *(settings[key] for key in SETTING_KEYS))
     model.place(section.inner, section.outer, section.material)
-    procedure.treat(model, steps, s_mm, settings, True, "section")
-    return model.recorded
+    procedure.run_procedure(model, steps, s_mm, settings, True, "section")
+    return model.records
 
 
-def by_calculix(section, recorded, settings, program):
+def solve_by_calculix(section, recorded, settings, program):
     """[(positions (n, 2) mm, forces (n, 2) N)] of the lumen's nodes at all heights, after each load step."""
     lumens = np.array([entry["lumen"] for entry in recorded])
     with tempfile.TemporaryDirectory() as folder:
-        text = section.deck(settings, lumens)
-        layer = calculix.layer(section.theta, section.inner, section.outer, section.through)
-        forces = calculix.printed(program, text, folder, "forces", len(lumens), len(layer.whole_lumen()[0]))
-    return [(lumen[layer.whole_lumen()[1]], force) for lumen, force in zip(lumens, forces)]
+        text = section.input_deck(settings, lumens)
+        layer = calculix.build_layer(section.theta, section.inner, section.outer, section.through)
+        forces = calculix.run_and_read(
+            program, text, folder, "forces", len(lumens), len(layer.lumen_nodes_all_heights()[0])
+        )
+    return [(lumen[layer.lumen_nodes_all_heights()[1]], force) for lumen, force in zip(lumens, forces)]

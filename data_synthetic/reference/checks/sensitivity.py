@@ -21,16 +21,22 @@ from .. import run
 from ..slices import slices
 from ..surface import straightening
 
-OF_SLICES = ("stent_stiffness_mpa_per_mm", "wall_c10_mpa", "wall_c20_mpa", "bulk_modulus_mpa", "support_mpa_per_mm")
+SLICE_CONSTANTS = (
+    "stent_stiffness_mpa_per_mm",
+    "wall_c10_mpa",
+    "wall_c20_mpa",
+    "bulk_modulus_mpa",
+    "support_mpa_per_mm",
+)
 SLICE_FACTORS, BEAM_FACTORS = (0.5, 2.0), (0.25, 0.5, 2.0, 4.0)
 STENT_BENDING, VESSEL_BENDING, SUPPORT = "stent bending_stiffness_n_mm2", "vessel_bending_n_mm2", "support_mpa_per_mm"
-PLACES = (0.25, 0.5, 0.75)  # of the slices, as shares of the stented stretch's length
+SLICE_POSITIONS = (0.25, 0.5, 0.75)  # of the slices, as shares of the stented stretch's length
 
 
-def study(scene_path, truth_path, out, settings_path=None):
+def write_sensitivity(scene_path, truth_path, out, settings_path=None):
     """Writes `out`/sensitivity.csv, a row for each constant and factor. Raises InputError, ComputationError."""
     scene, settings = run.load_scene(scene_path), config.load_section(settings_path, "reference")
-    patient, steps = run.patient_and_steps(scene, scene_path, truth_path)
+    patient, steps = run.read_patient_and_steps(scene, scene_path, truth_path)
     stents = [step.stent for step in steps if step.stent]
     if not stents:
         raise InputError("no stent in the scene", f"{scene_path}: procedure", "none", "a plan with a stent")
@@ -43,12 +49,12 @@ def study(scene_path, truth_path, out, settings_path=None):
     return rows
 
 
-def stretch(stents):
+def stented_span(stents):
     """Arc lengths (mm) from the first stent's start to the last one's end."""
     return min(s.start_s_mm for s in stents), max(s.end_s_mm for s in stents)
 
 
-def _row(quantity, constant, value, factor, result, base):
+def _result_row(quantity, constant, value, factor, result, base):
     change = 100 * (result / base - 1)
     print(f"{constant} x {factor:g}: {quantity} {result:.5g} ({change:+.2f} %)", file=sys.stderr)
     return {
@@ -62,47 +68,47 @@ def _row(quantity, constant, value, factor, result, base):
 
 
 def _area_rows(patient, steps, stents, settings):
-    low, high = stretch(stents)
+    low, high = stented_span(stents)
 
     def area(changed):
-        model = slices.model_of(changed)
-        places = [low + share * (high - low) for share in PLACES]
-        return np.mean([slices.solve(model, patient, steps, s, changed, True)[1]["area_mm2"] for s in places])
+        model = slices.slice_model(changed)
+        places = [low + share * (high - low) for share in SLICE_POSITIONS]
+        return np.mean([slices.solve_slice(model, patient, steps, s, changed, True)[1]["area_mm2"] for s in places])
 
     base = area(settings)
-    rows = [_row("area_mm2", "none", 1, 1, base, base)]
-    for key in OF_SLICES:
+    rows = [_result_row("area_mm2", "none", 1, 1, base, base)]
+    for key in SLICE_CONSTANTS:
         for factor in SLICE_FACTORS:
             value = settings[key] * factor
-            rows.append(_row("area_mm2", key, value, factor, area({**settings, key: value}), base))
+            rows.append(_result_row("area_mm2", key, value, factor, area({**settings, key: value}), base))
     return rows
 
 
 def _curvature_rows(patient, stents, settings):
-    low, high = stretch(stents)
+    low, high = stented_span(stents)
     middle = 0.5 * (low + high)
-    own = straightening.vessel_bending_n_mm2(patient.branch, patient.wall_mm, middle, settings)
-    known = {**settings, VESSEL_BENDING: own}
-    base = curvature(patient, stents, known, (low, high))
+    vessel_bending = straightening.vessel_bending_n_mm2(patient.branch, patient.wall_mm, middle, settings)
+    known = {**settings, VESSEL_BENDING: vessel_bending}
+    base = mean_curvature(patient, stents, known, (low, high))
     name = "curvature_per_mm"
-    rows = [_row(name, "no stent", 0, 1, curvature(patient, [], known, (low, high)), base)]
-    rows.append(_row(name, "none", 1, 1, base, base))
+    rows = [_result_row(name, "no stent", 0, 1, mean_curvature(patient, [], known, (low, high)), base)]
+    rows.append(_result_row(name, "none", 1, 1, base, base))
     for factor in BEAM_FACTORS:
         for key in (SUPPORT, VESSEL_BENDING):
             value = known[key] * factor
-            found = curvature(patient, stents, {**known, key: value}, (low, high))
-            rows.append(_row(name, key, value, factor, found, base))
+            found = mean_curvature(patient, stents, {**known, key: value}, (low, high))
+            rows.append(_result_row(name, key, value, factor, found, base))
         stiffer = [dataclasses.replace(s, bending_n_mm2=s.bending_n_mm2 * factor) for s in stents]
-        found = curvature(patient, stiffer, known, (low, high))
-        rows.append(_row(name, STENT_BENDING, stiffer[0].bending_n_mm2, factor, found, base))
+        found = mean_curvature(patient, stiffer, known, (low, high))
+        rows.append(_result_row(name, STENT_BENDING, stiffer[0].bending_n_mm2, factor, found, base))
     return rows
 
 
-def curvature(patient, stents, settings, between):
+def mean_curvature(patient, stents, settings, span_mm):
     """Mean curvature (1/mm) of the axis between two arc lengths (mm), straightened by the stents."""
-    axis, middle = patient.branch.axis, 0.5 * sum(between)
-    s, moved = straightening.of_patient(patient.branch, patient.wall_mm, stents, middle, settings)
-    spline = CubicSpline(s, axis.point(s) + moved)
-    at = np.linspace(*between, 200)
-    first, second = spline(at, 1), spline(at, 2)
+    axis, middle = patient.branch.axis, 0.5 * sum(span_mm)
+    s, axis_shift = straightening.axis_displacement(patient.branch, patient.wall_mm, stents, middle, settings)
+    spline = CubicSpline(s, axis.point(s) + axis_shift)
+    positions = np.linspace(*span_mm, 200)
+    first, second = spline(positions, 1), spline(positions, 2)
     return float(np.mean(np.linalg.norm(np.cross(first, second), axis=1) / np.linalg.norm(first, axis=1) ** 3))

@@ -8,14 +8,14 @@ from dolfinx import fem
 from common import fenicsx
 
 from ..solid import laws
-from ..solid.stepped import SteppedModel
+from ..solid.load_stepping import LoadSteppedModel
 from .mesh import LUMEN, OUTSIDE, Annulus
 
 
-class SliceModel(SteppedModel):
+class SliceModel(LoadSteppedModel):
     """Model of a slice that is compiled once, then placed on one slice after another.
 
-    Loads (a dict of LOADS): the pressure laws of balloon and stent, each times a share from 0 to 1, and a uniform
+    Loads (a dict of LOAD_NAMES): the pressure laws of balloon and stent, each times a share from 0 to 1, and a uniform
     pressure (MPa) for tests.
     """
 
@@ -24,15 +24,15 @@ class SliceModel(SteppedModel):
         mesh = self.annulus.mesh
         self._space = fenicsx.function_space(mesh, fenicsx.lagrange("quadrilateral", 2, 2))
         self.u = fem.Function(self._space)
-        self._plastic, self._strain, self._material = (self._at_points(mesh, n) for n in (4, 1, 4))
-        self._make_loads(mesh)
+        self._plastic, self._strain, self._material = (self._quadrature_function(mesh, n) for n in (4, 1, 4))
+        self._create_loads(mesh)
         c10, c20 = fem.Constant(mesh, float(wall_c10_mpa)), fem.Constant(mesh, float(wall_c20_mpa))
         bulk, support = fem.Constant(mesh, float(bulk_modulus_mpa)), fem.Constant(mesh, float(support_mpa_per_mm))
         points, _ = basix.make_quadrature(basix.CellType.quadrilateral, laws.DEVIATORIC_DEGREE)
         self._points = points
         self._cells = np.arange(mesh.topology.index_map(2).size_local, dtype=np.int32)
         x = ufl.SpatialCoordinate(mesh)
-        self._where = fem.Expression(x, points)
+        self._position_expression = fem.Expression(x, points)
 
         f = laws.deformation_gradient(self.u)
         share, shear, yields, hardening = (self._material[i] for i in range(4))
@@ -64,7 +64,7 @@ class SliceModel(SteppedModel):
             + load * ufl.inner(area_normal, v) * ds(LUMEN)
             + support * ufl.inner(self.u, v) * ds(OUTSIDE)
         )
-        self._prepare(residual)
+        self._set_up_solver(residual)
         self._area = fenicsx.form(-0.5 * ufl.inner(at, area_normal) * ds(LUMEN))
         self._lumen = self._lumen_dofs()
 
@@ -82,7 +82,7 @@ class SliceModel(SteppedModel):
         mm to (share of plaque, shear MPa, yield MPa, hardening MPa), each (n,).
         """
         self.annulus.place(inner_mm, outer_mm)
-        x = fenicsx.evaluated(self._where, self.annulus.mesh, self._cells).reshape(-1, 2)
+        x = fenicsx.evaluate(self._position_expression, self.annulus.mesh, self._cells).reshape(-1, 2)
         values = np.stack(material(np.arctan2(x[:, 1], x[:, 0]), np.hypot(x[:, 0], x[:, 1])), axis=1)
         self._material.x.array[:] = values.ravel()
         self._plastic.x.array[:] = np.tile([1.0, 1.0, 1.0, 0.0], len(x))

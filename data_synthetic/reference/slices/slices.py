@@ -7,11 +7,11 @@ import numpy as np
 from ..solid import tissue
 from ..surface import deformation
 from ..treatment import procedure
-from . import own_error
+from . import error_estimate
 from .model import SliceModel
 
-REFINEMENTS = 3  # rounds in which slices are added
-NEAREST_MM = 0.09  # no slice is added nearer than this to another
+MOST_REFINEMENTS = 3  # rounds in which slices are added
+LEAST_SPACING_MM = 0.09  # no slice is added nearer than this to another
 
 
 class Patient:
@@ -25,10 +25,10 @@ class Patient:
 
     def place(self, model, s_mm):
         """Places a SliceModel on the section at arc length s_mm, with its shape and tissues, at rest."""
-        inner, outer = tissue.rays(self.branch, self.wall_mm, s_mm, model.annulus.theta_rad)
+        inner, outer = tissue.inner_outer_radii(self.branch, self.wall_mm, s_mm, model.annulus.theta_rad)
 
         def material(angle, radius):
-            return tissue.constants(self.branch, np.full_like(radius, s_mm), angle, radius)
+            return tissue.material_constants(self.branch, np.full_like(radius, s_mm), angle, radius)
 
         model.place(inner, outer, material)
 
@@ -42,20 +42,20 @@ def slice_positions(axis_length_mm, steps, spacing_mm, margin_mm):
     high = max(step.balloon.reach()[1] for step in steps) + margin_mm
     low, high = max(low, 0.5), min(high, axis_length_mm - 0.5)
 
-    def even(a, b):
+    def evenly_spaced(a, b):
         return np.linspace(a, b, max(int(np.ceil((b - a) / spacing_mm)), 2) + 1)
 
-    held = [(a, b, even(a, b)) for a, b in spans(steps)]
+    stented = [(a, b, evenly_spaced(a, b)) for a, b in stented_spans(steps)]
     # Slices without the stent are needed only outside the spans and at their ends.
-    free, start = [], low
-    for a, b, _ in held:
-        free += [even(start, a)] if a - start > 0.05 else [[a]]
+    unstented, start = [], low
+    for a, b, _ in stented:
+        unstented += [evenly_spaced(start, a)] if a - start > 0.05 else [[a]]
         start = b
-    free += [even(start, high)] if high - start > 0.05 else [[start]]
-    return np.unique(np.concatenate(free).round(9)), held
+    unstented += [evenly_spaced(start, high)] if high - start > 0.05 else [[start]]
+    return np.unique(np.concatenate(unstented).round(9)), stented
 
 
-def spans(steps):
+def stented_spans(steps):
     """[(start, end)] of the stretches (mm of arc length) that the stents of the steps hold, overlapping ones joined."""
     merged = []
     for a, b in sorted((step.stent.start_s_mm, step.stent.end_s_mm) for step in steps if step.stent):
@@ -66,7 +66,7 @@ def spans(steps):
     return merged
 
 
-def model_of(settings, refine=1):
+def slice_model(settings, refine=1):
     return SliceModel(
         settings["elements_around"] * refine,
         settings["elements_through"] * refine,
@@ -77,13 +77,13 @@ def model_of(settings, refine=1):
     )
 
 
-def solve(model, patient, steps, s_mm, settings, stented):
+def solve_slice(model, patient, steps, s_mm, settings, stented):
     """Takes the model through the procedure at arc length s_mm: (displacement (2 around, 2) mm of the lumen, record).
 
     The record (dict) is the slice's entry in reference.json. stented: whether stents hold at this slice.
     """
     patient.place(model, s_mm)
-    history = procedure.treat(model, steps, s_mm, settings, stented, patient.branch.name)
+    history = procedure.run_procedure(model, steps, s_mm, settings, stented, patient.branch.name)
     record = {
         "s_mm": round(float(s_mm), 4),
         "stented": bool(stented),
@@ -95,18 +95,19 @@ def solve(model, patient, steps, s_mm, settings, stented):
     return model.lumen_displacement(), record
 
 
-def lumen_field(model, patient, steps, settings):
+def solve_lumen(model, patient, steps, settings):
     """(LumenDeformation, records, arc lengths of the slices without a stent (n,)) from all slices of the branch.
 
-    Stented spans get more slices where evenly spaced ones do not resolve the area (`own_error.missed`).
+    Stented spans get more slices where evenly spaced ones do not resolve the area, by
+    `error_estimate.leave_one_out_change`.
     """
-    free_s, stretches = slice_positions(
+    unstented_s, spans = slice_positions(
         patient.branch.axis.length_mm, steps, settings["slice_spacing_mm"], settings["margin_mm"]
     )
     records = []
 
-    def solved(s, stented):
-        moved, record = solve(model, patient, steps, s, settings, stented)
+    def solve_and_record(s, stented):
+        moved, record = solve_slice(model, patient, steps, s, settings, stented)
         records.append(record)
         print(
             f"slice {len(records)}: s {s:.2f} mm, radius {record['radius_before_mm']:.3f} -> "
@@ -115,34 +116,34 @@ def lumen_field(model, patient, steps, settings):
         )
         return moved, record["area_mm2"]
 
-    def span(positions, stented):
-        found = {float(s): solved(s, stented) for s in positions}
-        for _ in range(REFINEMENTS if stented else 0):
+    def span_field(positions, stented):
+        found = {float(s): solve_and_record(s, stented) for s in positions}
+        for _ in range(MOST_REFINEMENTS if stented else 0):
             s = np.array(sorted(found))
             area = np.array([found[x][1] for x in s])
-            error = own_error.missed(s, area, settings["edge_decay_mm"])
-            added = between(s, error > settings["slice_tolerance_percent"])
+            error = error_estimate.leave_one_out_change(s, area, settings["edge_decay_mm"])
+            added = midpoints(s, error > settings["slice_tolerance_percent"])
             if not len(added):
                 break
-            found.update({float(x): solved(x, stented) for x in added})
+            found.update({float(x): solve_and_record(x, stented) for x in added})
         s = np.array(sorted(found))
         coupling = settings["edge_decay_mm"] if stented else 0.0
         return deformation.SpanField(s, model.annulus.theta_rad, np.array([found[x][0] for x in s]), coupling)
 
     print(
-        f"{len(free_s)} slices on {patient.branch.name}, {sum(len(s) for _, _, s in stretches)} stented",
+        f"{len(unstented_s)} slices on {patient.branch.name}, {sum(len(s) for _, _, s in spans)} stented",
         file=sys.stderr,
     )
-    free = span(free_s, False)
-    held = [span(s, True) for _, _, s in stretches]
-    return deformation.LumenDeformation(free, held, settings["edge_decay_mm"]), records, free_s
+    unstented = span_field(unstented_s, False)
+    stented_fields = [span_field(s, True) for _, _, s in spans]
+    return deformation.LumenDeformation(unstented, stented_fields, settings["edge_decay_mm"]), records, unstented_s
 
 
-def between(s_mm, coarse):
+def midpoints(s_mm, coarse):
     """Arc lengths (k,) of new slices, halfway from each slice that is `coarse` (n,) to its neighbours.
 
-    A new slice is left out if it would lie within NEAREST_MM of a neighbour.
+    A new slice is left out if it would lie within LEAST_SPACING_MM of a neighbour.
     """
-    beside = np.flatnonzero(coarse[1:] | coarse[:-1])
-    beside = beside[np.diff(s_mm)[beside] > 2 * NEAREST_MM]
-    return 0.5 * (s_mm[beside] + s_mm[beside + 1])
+    intervals = np.flatnonzero(coarse[1:] | coarse[:-1])
+    intervals = intervals[np.diff(s_mm)[intervals] > 2 * LEAST_SPACING_MM]
+    return 0.5 * (s_mm[intervals] + s_mm[intervals + 1])

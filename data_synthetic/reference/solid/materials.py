@@ -30,15 +30,15 @@ class Plaque:
 TENG = "Teng et al., J Biomech 48 (2015) 3859, doi 10.1016/j.jbiomech.2015.09.037"
 BARRETT = "Barrett et al., J Biomech 42 (2009) 1650, doi 10.1016/j.jbiomech.2009.04.025"
 MAHER = "Maher et al., Ann Biomed Eng 39 (2011) 2445, doi 10.1007/s10439-011-0331-4"
-LESIONS = "Ghorbannia and LaDisa, Front Bioeng Biotechnol 11 (2023) 1192797, doi 10.3389/fbioe.2023.1192797"
+GHORBANNIA = "Ghorbannia and LaDisa, Front Bioeng Biotechnol 11 (2023) 1192797, doi 10.3389/fbioe.2023.1192797"
 FIBROUS = Plaque(
     0.2,
     0.1,
     0.2,
     "shear 0.2: choice, twice the upper end of indented carotid caps, 0.007 ... 0.1 MPa, median 0.011 "
-    f"({BARRETT}), for coronary lesions are stiffer: middle class of {LESIONS}. yield 0.1: choice within the tensile "
-    f"strength of carotid fibrous caps, 0.158 (quartiles 0.072 ... 0.259) MPa ({TENG}). hardening 0.2: choice, that "
-    f"permanent deformation grows about linearly with the peak strain ({MAHER}) and recoil is that of stents in "
+    f"({BARRETT}), for coronary lesions are stiffer: middle class of {GHORBANNIA}. yield 0.1: choice within the "
+    f"tensile strength of carotid fibrous caps, 0.158 (quartiles 0.072 ... 0.259) MPa ({TENG}). hardening 0.2: choice, "
+    f"that permanent deformation grows about linearly with the peak strain ({MAHER}) and recoil is that of stents in "
     "patients: 5.0 +- 2.2 % and 5.7 +- 4.1 % (Borghi et al., Rev Bras Cardiol Invasiva 21 (2013) 326), 8.6 +- 4.9 % "
     "(van Bommel et al., Catheter Cardiovasc Interv 2017)",
 )
@@ -55,14 +55,15 @@ CALCIFIED = Plaque(
     0.5,
     0.1,
     "shear 2, yield 0.5, hardening 0.1: choices, ten and five times fibrous; an effective value of tissue with "
-    f"deposits that gives way by cracking, beyond the stiffest class of {LESIONS}; the mineral itself is far stiffer",
+    f"deposits that gives way by cracking, beyond the stiffest class of {GHORBANNIA}; the mineral itself is far "
+    "stiffer",
 )
-OF_TYPE = {plaque_types.FIBROUS: FIBROUS, plaque_types.LIPID: LIPID, plaque_types.CALCIFIED: CALCIFIED}
+BY_PLAQUE_TYPE = {plaque_types.FIBROUS: FIBROUS, plaque_types.LIPID: LIPID, plaque_types.CALCIFIED: CALCIFIED}
 
 WALL_SOURCE = (
     "C10 0.05, C20 0.2: choices; soft, then stiffening, as the layers of human coronary arteries do in Holzapfel et "
     "al., Am J Physiol Heart 289 (2005) H2048, isotropic here, not their constants; 0.21 MPa at a biaxial stretch of "
-    f"1.15, between the middle and the stiffest class of {LESIONS}"
+    f"1.15, between the middle and the stiffest class of {GHORBANNIA}"
 )
 SETTINGS_SOURCE = {
     "stent_stiffness_mpa_per_mm": "1.5: choice near 0.02 MPa / (0.8 % of 1.5 mm) = 1.6, by the recoil that an outer "
@@ -101,7 +102,7 @@ def biaxial_stress(stretch, plaque=None, c10_mpa=0.0, c20_mpa=0.0):
     return (plaque.yield_mpa + 2 * hardening * np.log(stretch)) / (1 + hardening / (3 * plaque.shear_mpa))
 
 
-def blended(base, calcium_share):
+def blend_with_calcium(base, calcium_share):
     """(shear, yield, hardening) in MPa, each (...), of a base Plaque that holds calcium.
 
     calcium_share (...): from 0 to 1. Each constant is interpolated geometrically between base and calcified plaque. The

@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator, RegularGridInterpolator
 
-FADE_MM = 8.0  # distance from the lumen at which the displacement of points outside has fallen to 0
-END_MM = 2.0  # distance over which the displacement falls to 0 towards a cap of the vessel
-FINE_S_MM, FINE_THETA = 0.1, 180  # grid of a span's displacement: spacing along the axis, intervals round it
+FADE_DISTANCE_MM = 8.0  # distance from the lumen at which the displacement of points outside has fallen to 0
+CAP_FADE_MM = 2.0  # distance over which the displacement falls to 0 towards a cap of the vessel
+GRID_SPACING_MM, GRID_ANGLES = 0.1, 180  # grid of a span's displacement: spacing along the axis, intervals round it
 
 
 class SpanField:
@@ -19,28 +19,28 @@ class SpanField:
 
     def __init__(self, s_mm, theta_rad, displacement, coupling_mm=0.0):
         s_mm = np.asarray(s_mm, float)
-        fine_s = fine_positions(s_mm)
+        fine_s = grid_positions(s_mm)
         along = PchipInterpolator(s_mm, displacement, axis=0)(fine_s)
         if coupling_mm:
-            along = coupled(along, fine_s[1] - fine_s[0], coupling_mm)
+            along = couple_along_axis(along, fine_s[1] - fine_s[0], coupling_mm)
         closed = np.concatenate([along, along[:, :1]], axis=1)
         around = CubicSpline(np.append(theta_rad, 2 * np.pi), closed, axis=1, bc_type="periodic")
-        fine_theta = np.linspace(0, 2 * np.pi, FINE_THETA + 1)
+        fine_theta = np.linspace(0, 2 * np.pi, GRID_ANGLES + 1)
         self.first, self.last = s_mm[0], s_mm[-1]
         self._grid = RegularGridInterpolator((fine_s, fine_theta), around(fine_theta))
 
-    def at(self, s_mm, theta_rad):
+    def displacement_at(self, s_mm, theta_rad):
         """Displacement (k, 2) in mm at (s, theta), each (k,). Beyond an end of the span it is that at the end."""
         s = np.clip(s_mm, self.first, self.last)
         return self._grid(np.stack([s, np.mod(theta_rad, 2 * np.pi)], axis=1))
 
 
-def fine_positions(s_mm):
-    """Even arc lengths (k,), FINE_S_MM apart or little more, from the first to the last of s_mm."""
-    return np.linspace(s_mm[0], s_mm[-1], max(int((s_mm[-1] - s_mm[0]) / FINE_S_MM), 1) + 1)
+def grid_positions(s_mm):
+    """Even arc lengths (k,), GRID_SPACING_MM apart or little more, from the first to the last of s_mm."""
+    return np.linspace(s_mm[0], s_mm[-1], max(int((s_mm[-1] - s_mm[0]) / GRID_SPACING_MM), 1) + 1)
 
 
-def coupled(values, step_mm, length_mm):
+def couple_along_axis(values, step_mm, length_mm):
     """Solution u of u + l^4/4 d^4u/ds^4 = values with free ends, where s runs along the first axis of `values`.
 
     step_mm: spacing of the values; length_mm: the length l.
@@ -54,32 +54,34 @@ def coupled(values, step_mm, length_mm):
 class LumenDeformation:
     """Displacement of the lumen: by slices with the stent inside the stented spans, and without it elsewhere.
 
-    free: SpanField of the slices without the stent. held: list of SpanField, one for each stented span. At the end of a
-    span the two differ. Outside the span this jump decays with the distance x from the end, like the deflection of a
-    clamped cylindrical shell (Timoshenko): exp(-x/l) (cos x/l + sin x/l), where l is edge_decay_mm.
+    unstented: SpanField of the slices without the stent. stented: list of SpanField, one for each stented span. At the
+    end of a span the two differ. Outside the span this jump decays with the distance x from the end, like the
+    deflection of a clamped cylindrical shell (Timoshenko): exp(-x/l) (cos x/l + sin x/l), where l is edge_decay_mm.
     """
 
-    def __init__(self, free, held, edge_decay_mm):
-        self._free, self._held, self._decay = free, held, edge_decay_mm
+    def __init__(self, unstented, stented, edge_decay_mm):
+        self._unstented, self._stented, self._decay = unstented, stented, edge_decay_mm
 
     def in_plane(self, s_mm, theta_rad):
         """Displacement (k, 2) in mm of the lumen at (s, theta), each (k,), along the section's normal and binormal."""
-        inside_free = (s_mm >= self._free.first) & (s_mm <= self._free.last)
-        total = np.where(inside_free[:, None], self._free.at(s_mm, theta_rad), 0.0)
-        for span in self._held:
+        inside_unstented = (s_mm >= self._unstented.first) & (s_mm <= self._unstented.last)
+        total = np.where(inside_unstented[:, None], self._unstented.displacement_at(s_mm, theta_rad), 0.0)
+        for span in self._stented:
             covered = (s_mm >= span.first) & (s_mm <= span.last)
-            total = np.where(covered[:, None], span.at(s_mm, theta_rad), total)
-        for span in self._held:
-            for end, away in ((span.first, -1), (span.last, 1)):
-                x = away * (s_mm - end) / self._decay
-                near = (x > 0) & (x < 12) & ~self._covered(s_mm)
-                jump = span.at(np.full_like(s_mm, end), theta_rad) - self._free.at(np.full_like(s_mm, end), theta_rad)
+            total = np.where(covered[:, None], span.displacement_at(s_mm, theta_rad), total)
+        for span in self._stented:
+            for end, outward in ((span.first, -1), (span.last, 1)):
+                x = outward * (s_mm - end) / self._decay
+                near = (x > 0) & (x < 12) & ~self._is_stented(s_mm)
+                jump = span.displacement_at(np.full_like(s_mm, end), theta_rad) - self._unstented.displacement_at(
+                    np.full_like(s_mm, end), theta_rad
+                )
                 fade = np.exp(-np.abs(x)) * (np.cos(x) + np.sin(np.abs(x)))
                 total = total + np.where(near, fade, 0.0)[:, None] * jump
         return total
 
-    def _covered(self, s_mm):
-        return np.any([(s_mm >= span.first) & (s_mm <= span.last) for span in self._held], axis=0)
+    def _is_stented(self, s_mm):
+        return np.any([(s_mm >= span.first) & (s_mm <= span.last) for span in self._stented], axis=0)
 
 
 def smooth_fall(x):
@@ -88,14 +90,15 @@ def smooth_fall(x):
     return 1 - x**3 * (10 - 15 * x + 6 * x * x)
 
 
-def move(points_mm, branch, lumen, straight_s_mm, straight_mm, resting):
+def move_points(points_mm, branch, lumen, axis_s_mm, axis_shift_mm, fixed_ends):
     """Points (n, 3) in mm after the procedure.
 
     Points on the branch's lumen follow its LumenDeformation `lumen`. Points outside it, such as side branches, follow
     as incompressible tissue does: rho' = sqrt(rho^2 + r'^2 - r^2). Here rho is the distance from the axis, r the
-    lumen's radius, and a prime means after the procedure. Their displacement falls to 0 over FADE_MM from the lumen.
-    straight_s_mm (k,), straight_mm (k, 3): displacement of the axis by straightening, added to the above. resting:
-    (centre (3,), radius mm) of the vessel's ends. Their caps stay, and the displacement falls to 0 within END_MM.
+    lumen's radius, and a prime means after the procedure. Their displacement falls to 0 over FADE_DISTANCE_MM from the
+    lumen. axis_s_mm (k,), axis_shift_mm (k, 3): displacement of the axis by straightening, added to the above.
+    fixed_ends: (centre (3,), radius mm) of the vessel's ends. Their caps stay, and the displacement falls to 0 within
+    CAP_FADE_MM.
     """
     axis = branch.axis
     s = axis.nearest(points_mm)
@@ -112,10 +115,10 @@ def move(points_mm, branch, lumen, straight_s_mm, straight_mm, resting):
     gap = np.maximum(rho - r, 0)
     tissue = np.sqrt(np.maximum((r + gap) ** 2 + opened**2 - r**2, 1e-12)) - (r + gap)
     share = np.where(np.abs(outwards) > 1e-9, tissue / np.where(np.abs(outwards) > 1e-9, outwards, 1), 1.0)
-    fade = smooth_fall(gap / FADE_MM) * inside
-    for centre, radius in resting:
-        fade = fade * (1 - smooth_fall((np.linalg.norm(points_mm - centre, axis=1) - 1.05 * radius) / END_MM))
-    w = np.stack([np.interp(along, straight_s_mm, straight_mm[:, k]) for k in range(3)], axis=1)
+    fade = smooth_fall(gap / FADE_DISTANCE_MM) * inside
+    for centre, radius in fixed_ends:
+        fade = fade * (1 - smooth_fall((np.linalg.norm(points_mm - centre, axis=1) - 1.05 * radius) / CAP_FADE_MM))
+    w = np.stack([np.interp(along, axis_s_mm, axis_shift_mm[:, k]) for k in range(3)], axis=1)
     local = (share * u[:, 0])[:, None] * normal + (share * u[:, 1])[:, None] * binormal
     # Inside the lumen (points of a cap's disc) the displacement scales with the distance from the axis.
     core = np.clip(rho / np.maximum(r, 1e-9), 0, 1)[:, None]

@@ -7,36 +7,38 @@ from common import vtp
 from common.errors import ComputationError
 
 
-def _normals(x, t):
-    return np.cross(x[t[:, 1]] - x[t[:, 0]], x[t[:, 2]] - x[t[:, 0]])
+def _normals(points, triangles):
+    return np.cross(
+        points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]]
+    )
 
 
-def check_not_folded(t, before, after):
-    """Raises ComputationError if more than a thousandth of the triangles t (m, 3) turned over.
+def check_not_folded(triangles, before, after):
+    """Raises ComputationError if more than a thousandth of the triangles (m, 3) turned over.
 
     before, after (n, 3): points before and after the move.
     """
-    a, b = _normals(before, t), _normals(after, t)
+    a, b = _normals(before, triangles), _normals(after, triangles)
     cosine = np.sum(a * b, axis=1) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-30)
     # A lesion's shoulders turn by up to 45 degrees when the lesion is opened; a triangle that turns over is a fold.
     folded = int(np.sum(cosine < 0))
-    if folded > 1e-3 * len(t):
+    if folded > 1e-3 * len(triangles):
         raise ComputationError(
             "the moved lumen is folded",
             "reference lumen",
-            f"{folded} of {len(t)} triangles",
+            f"{folded} of {len(triangles)} triangles",
             "move devices off the bend",
         )
 
 
-def refined_surface(poly, before, after, triangles_now, parents, old_triangle):
+def refined_surface(poly, before, after, triangles, parents, old_triangle):
     """vtkPolyData of the refined and moved lumen with all arrays of poly and `displacement_mm`.
 
     before, after (n, 3): all points before and after the move. parents (p, 2): ends of the edge that each new point
     halves. old_triangle (m,): for each triangle, index of the triangle of poly in which it lies. At a new point a real
     array has the mean of both ends of the edge, an integer array the value at the first end.
     """
-    result = vtp.surface(after, triangles_now)
+    result = vtp.surface(after, triangles)
     data = poly.GetPointData()
     for index in range(data.GetNumberOfArrays()):
         values = vtk_to_numpy(data.GetArray(index))

@@ -3,16 +3,16 @@
 import numpy as np
 
 
-def split_edges(points, triangles, long_edge):
+def split_edges(points, triangles, needs_split):
     """Splits edges at their middle, without cracks.
 
-    points (n, 3), triangles (m, 3). long_edge: function that says which edges, vertex pairs (k, 2), are to be split.
+    points (n, 3), triangles (m, 3). needs_split: function that says which edges, vertex pairs (k, 2), are to be split.
     Returns (new triangles (q, 3), parents (p, 2), cell (q,)). New point n + i is the middle of the edge between the
     points parents[i]. cell: index of the old triangle in which each new triangle lies.
     """
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     unique, inverse = np.unique(edges, axis=0, return_inverse=True)
-    marked = long_edge(unique)
+    marked = needs_split(unique)
     number = np.full(len(unique), -1)
     number[marked] = len(points) + np.arange(marked.sum())
     middle = number[inverse.reshape(-1)].reshape(-1, 3)  # middle points of the edges 01, 12, 20; -1 if not split
@@ -37,27 +37,27 @@ def split_edges(points, triangles, long_edge):
     return np.concatenate(out), unique[marked], np.concatenate(cell)
 
 
-def refined(points, triangles, move, on_lumen, edge_mm, passes=4):
+def refine_stretched(points, triangles, move, project_to_lumen, edge_mm, passes=4):
     """Halves edges that are longer than edge_mm after the move, if an end moves by more than 0.02 mm.
 
-    move: points (n, 3) -> moved (n, 3). on_lumen: (points (p, 3), parents (p, 2)) -> (p, 3) moves new points of the
-    wall onto the true lumen. passes: largest number of rounds in which edges are halved. Returns (points, triangles,
-    parents of all new points, old triangle of each new triangle).
+    move: points (n, 3) -> moved (n, 3). project_to_lumen: (points (p, 3), parents (p, 2)) -> (p, 3) moves new points of
+    the wall onto the true lumen. passes: largest number of rounds in which edges are halved. Returns (points,
+    triangles, parents of all new points, old triangle of each new triangle).
     """
-    original = np.arange(len(triangles))
+    old_triangle = np.arange(len(triangles))
     all_parents = np.zeros((0, 2), int)
     for _ in range(passes):
         moved = move(points)
         shift = np.linalg.norm(moved - points, axis=1)
 
-        def long_edge(pairs):
+        def needs_split(pairs):
             length = np.linalg.norm(moved[pairs[:, 0]] - moved[pairs[:, 1]], axis=1)
             return (length > edge_mm) & (shift[pairs].max(axis=1) > 0.02)
 
-        triangles, parents, cell = split_edges(points, triangles, long_edge)
+        triangles, parents, cell = split_edges(points, triangles, needs_split)
         if not len(parents):
             break
-        points = np.concatenate([points, on_lumen(points[parents].mean(axis=1), parents)])
+        points = np.concatenate([points, project_to_lumen(points[parents].mean(axis=1), parents)])
         all_parents = np.concatenate([all_parents, parents])
-        original = original[cell]
-    return points, triangles, all_parents, original
+        old_triangle = old_triangle[cell]
+    return points, triangles, all_parents, old_triangle

@@ -4,8 +4,8 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
-STEP_MM = 0.25
-NEAR_MM = 1e-3  # half the step of the central difference of the tangent
+LARGEST_ELEMENT_MM = 0.25
+TANGENT_STEP_MM = 1e-3  # half the step of the central difference of the tangent
 
 
 def wall_bending_n_mm2(inner_mm, outer_mm, wall_c10_mpa):
@@ -13,8 +13,10 @@ def wall_bending_n_mm2(inner_mm, outer_mm, wall_c10_mpa):
     return 6 * wall_c10_mpa * np.pi / 4 * (outer_mm**4 - inner_mm**4)
 
 
-def of_patient(branch, wall_mm, stents, middle_s_mm, settings):
-    """Displacement of a branch's axis by its stents, as from `offset`: (arc lengths (n,) mm, displacement (n, 3) mm).
+def axis_displacement(branch, wall_mm, stents, middle_s_mm, settings):
+    """Displacement of a branch's axis by its stents: (arc lengths (n,) mm, displacement (n, 3) mm).
+
+    It is that of `beam_displacement`.
 
     Wall and surroundings are taken as at middle_s_mm. settings: section `reference`. The surroundings resist the wall
     with a pressure per displacement of 2 G / r_outer (see materials). For a cylinder moved sideways this resistance
@@ -22,21 +24,21 @@ def of_patient(branch, wall_mm, stents, middle_s_mm, settings):
     support per length is 2 pi G. The exact value for a slender rod in an incompressible medium is the same within a
     tenth, at the beam's wavelength.
     """
-    outer = float(branch.healthy(np.array(middle_s_mm))) + wall_mm
+    outer = float(branch.healthy_radius(np.array(middle_s_mm))) + wall_mm
     foundation = np.pi * outer * settings["support_mpa_per_mm"]
     bending = vessel_bending_n_mm2(branch, wall_mm, middle_s_mm, settings)
-    return offset(branch.axis, stents, bending, foundation)
+    return beam_displacement(branch.axis, stents, bending, foundation)
 
 
 def vessel_bending_n_mm2(branch, wall_mm, middle_s_mm, settings):
     """The setting `vessel_bending_n_mm2`; if it is None, the bending stiffness of the healthy wall at middle_s_mm."""
     if settings["vessel_bending_n_mm2"] is not None:
         return settings["vessel_bending_n_mm2"]
-    inner = float(branch.healthy(np.array(middle_s_mm)))
+    inner = float(branch.healthy_radius(np.array(middle_s_mm)))
     return wall_bending_n_mm2(inner, inner + wall_mm, settings["wall_c10_mpa"])
 
 
-def offset(axis, stents, vessel_bending_n_mm2, foundation_n_per_mm2, step_mm=STEP_MM):
+def beam_displacement(axis, stents, vessel_bending_n_mm2, foundation_n_per_mm2, step_mm=LARGEST_ELEMENT_MM):
     """Displacement of the axis: (arc length s (n,) mm, displacement w (n, 3) mm), zero with zero slope at both ends.
 
     w minimises the integral of E_s |c'' + w''|^2 + E_v |w''|^2 + k |w|^2 over s, where c is the axis before the stent.
@@ -45,40 +47,47 @@ def offset(axis, stents, vessel_bending_n_mm2, foundation_n_per_mm2, step_mm=STE
     stretch is free. Cubic Hermite elements of at most step_mm have nodes at the stents' ends, so that the error falls
     with the fourth power of step_mm.
     """
-    s = _nodes(axis.length_mm, stents, step_mm)
+    s = _beam_nodes(axis.length_mm, stents, step_mm)
     if not stents:
         return s, np.zeros((len(s), 3))
     h = np.diff(s)
     middle = 0.5 * (s[1:] + s[:-1])
-    stent = np.zeros(len(h))
-    for one in stents:
-        stent = np.maximum(stent, np.where(one.covers(middle), one.bending_n_mm2, 0.0))
-    bend, stretch, points, weights = _shapes(h)
-    natural = _curvature(axis, middle[:, None] + 0.5 * h[:, None] * points)
-    each = 0.5 * h[:, None] * weights
-    stiffness = np.einsum("eg,egi,egj->eij", (stent + vessel_bending_n_mm2)[:, None] * each, bend, bend)
-    stiffness += foundation_n_per_mm2 * np.einsum("eg,egi,egj->eij", each, stretch, stretch)
-    load = -np.einsum("eg,egi,egk->eik", stent[:, None] * each, bend, natural)
-    unknown = 2 * np.arange(len(h))[:, None] + np.arange(4)  # w, w' of an element's two nodes
+    stent_bending = np.zeros(len(h))
+    for each_stent in stents:
+        stent_bending = np.maximum(stent_bending, np.where(each_stent.covers(middle), each_stent.bending_n_mm2, 0.0))
+    second_derivatives, values, points, weights = _hermite_functions(h)
+    natural_curvature = _curvature_vectors(axis, middle[:, None] + 0.5 * h[:, None] * points)
+    integration_weights = 0.5 * h[:, None] * weights
+    stiffness = np.einsum(
+        "eg,egi,egj->eij",
+        (stent_bending + vessel_bending_n_mm2)[:, None] * integration_weights,
+        second_derivatives,
+        second_derivatives,
+    )
+    stiffness += foundation_n_per_mm2 * np.einsum("eg,egi,egj->eij", integration_weights, values, values)
+    load = -np.einsum(
+        "eg,egi,egk->eik", stent_bending[:, None] * integration_weights, second_derivatives, natural_curvature
+    )
+    unknowns = 2 * np.arange(len(h))[:, None] + np.arange(4)  # w, w' of an element's two nodes
     shape = (2 * len(s), 2 * len(s))
-    rows, columns = np.repeat(unknown, 4, axis=1).ravel(), np.tile(unknown, 4).ravel()
+    rows, columns = np.repeat(unknowns, 4, axis=1).ravel(), np.tile(unknowns, 4).ravel()
     matrix = coo_matrix((stiffness.ravel(), (rows, columns)), shape=shape).tocsc()
-    right = np.zeros((2 * len(s), 3))
-    np.add.at(right, unknown, load)
+    right_side = np.zeros((2 * len(s), 3))
+    np.add.at(right_side, unknowns, load)
     free = slice(2, -2)
     solved = np.zeros((2 * len(s), 3))
-    solved[free] = spsolve(matrix[free, free], right[free])
+    solved[free] = spsolve(matrix[free, free], right_side[free])
     return s, solved[::2]
 
 
-def _nodes(length_mm, stents, step_mm):
+def _beam_nodes(length_mm, stents, step_mm):
     """Arc lengths (n,) from 0 to length_mm, at most step_mm apart, the stents' ends among them."""
     ends = np.unique(np.clip([0.0, length_mm] + [e for one in stents for e in one.ends()], 0, length_mm))
     parts = [np.linspace(a, b, int(np.ceil((b - a) / step_mm - 1e-9)) + 1) for a, b in zip(ends[:-1], ends[1:])]
     return np.unique(np.concatenate(parts))
 
 
-def _shapes(h):
+def _hermite_functions(h):
     """Cubic Hermite functions at 4 Gauss points of elements: (second derivatives, values, points, weights).
 
     h (e,): lengths of the elements. Second derivatives and values have the shape (elements, points, functions).
@@ -93,11 +102,11 @@ def _shapes(h):
         one * (3 * x**2 - 2 * x**3),
         h * (x**3 - x**2),
     ]
-    bend = [(12 * x - 6) / h**2, (6 * x - 4) / h, (6 - 12 * x) / h**2, (6 * x - 2) / h]
-    return np.stack(bend, axis=2), np.stack(value, axis=2), points, weights
+    second_derivative = [(12 * x - 6) / h**2, (6 * x - 4) / h, (6 - 12 * x) / h**2, (6 * x - 2) / h]
+    return np.stack(second_derivative, axis=2), np.stack(value, axis=2), points, weights
 
 
-def _curvature(axis, s_mm):
+def _curvature_vectors(axis, s_mm):
     """Curvature vectors c'' (..., 3) in 1/mm of an axis at arc lengths s_mm."""
-    low, high = np.maximum(s_mm - NEAR_MM, 0), np.minimum(s_mm + NEAR_MM, axis.length_mm)
+    low, high = np.maximum(s_mm - TANGENT_STEP_MM, 0), np.minimum(s_mm + TANGENT_STEP_MM, axis.length_mm)
     return (axis.frame(high)[0] - axis.frame(low)[0]) / (high - low)[..., None]

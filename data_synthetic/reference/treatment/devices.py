@@ -68,18 +68,18 @@ class Step:
     stent: Stent
 
 
-def _need(entry, key, where):
+def _required(entry, key, where):
     if key not in entry:
         raise InputError("missing key", f"{where}.{key}", "nothing", "write the scene with the planning command")
     return entry[key]
 
 
-def balloon(entry, name, centre_s_mm, pressure_bar, where):
+def inflated_balloon(entry, name, centre_s_mm, pressure_bar, where):
     """The Balloon of a scene's device `entry` at a pressure. where: place of the entry, for messages.
 
     Raises InputError if the pressure is off the balloon's chart.
     """
-    chart = _need(entry, "chart", where)
+    chart = _required(entry, "chart", where)
     pressures, diameters = np.array(chart["pressure_bar"], float), np.array(chart["diameter_mm"], float)
     if len(pressures) != len(diameters) or np.any(np.diff(pressures) <= 0) or np.any(np.diff(diameters) <= 0):
         remedy = "as many diameters as pressures, both rising"
@@ -99,15 +99,15 @@ def balloon(entry, name, centre_s_mm, pressure_bar, where):
     return Balloon(
         name,
         centre_s_mm,
-        _need(entry, "length_mm", where),
-        _need(entry, "shoulder_mm", where),
+        _required(entry, "length_mm", where),
+        _required(entry, "shoulder_mm", where),
         0.5 * float(np.interp(pressure_bar, pressures, diameters)),
         (high - low) * MPA_PER_BAR / max(0.5 * growth, 1e-6),
         pressure_bar * MPA_PER_BAR,
     )
 
 
-def steps(scene, where):
+def procedure_steps(scene, where):
     """(branch name, [Step]) of a scene.
 
     Raises InputError for several devices at a time or several branches, which plane-strain slices of one branch cannot
@@ -132,20 +132,20 @@ def steps(scene, where):
         stent = None
         name = use["device"]
         if entry["kind"] == "stent":
-            half = 0.5 * _need(entry, "length_mm", key)
+            half = 0.5 * _required(entry, "length_mm", key)
             stent = Stent(
                 name,
                 use["centre_s_mm"] - half,
                 use["centre_s_mm"] + half,
-                1 - 0.01 * _need(entry, "recoil_percent", key),
-                _need(entry, "radial_strength_mpa", key),
-                _need(entry, "bending_stiffness_n_mm2", key),
+                1 - 0.01 * _required(entry, "recoil_percent", key),
+                _required(entry, "radial_strength_mpa", key),
+                _required(entry, "bending_stiffness_n_mm2", key),
             )
-            name = _need(entry, "balloon", key)
+            name = _required(entry, "balloon", key)
             if scene["devices"].get(name, {}).get("kind") != "balloon":
                 raise InputError("no such balloon", f"{key}.balloon", name, "list it under devices")
             entry, key = scene["devices"][name], f"{where}: devices.{name}"
-        used = balloon(entry, name, use["centre_s_mm"], use["pressure_bar"], key)
+        used = inflated_balloon(entry, name, use["centre_s_mm"], use["pressure_bar"], key)
         found.append(Step(step["name"], step["action"], used, stent))
     if len(set(branches)) != 1:
         raise InputError(

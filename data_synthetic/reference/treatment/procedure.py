@@ -3,34 +3,34 @@
 import numpy as np
 
 DEFLATION_STEPS = 5  # load steps in which the balloon's pressure is replaced by the stent's
-CLEAR_MM = 0.1  # gap to the wall beyond which the smoothed law of a balloon gives no pressure
+CONTACT_GAP_MM = 0.1  # gap to the wall beyond which the smoothed law of a balloon gives no pressure
 
 
-def hand_over(model, where):
+def transfer_to_stent(model, where):
     """Replaces the balloon's pressure by the stent's, in DEFLATION_STEPS load steps. where: for messages."""
-    begin = model.loads()
+    start = model.loads()
     for share in np.linspace(0, 1, DEFLATION_STEPS + 1)[1:]:
-        stent = begin["stent_share"] + share * (1 - begin["stent_share"])
-        model.advance({"balloon_share": begin["balloon_share"] * (1 - share), "stent_share": stent}, where)
+        stent_share = start["stent_share"] + share * (1 - start["stent_share"])
+        model.advance({"balloon_share": start["balloon_share"] * (1 - share), "stent_share": stent_share}, where)
 
 
-def shrink(model, nearest_mm, step_mm, where):
+def deflate(model, nearest_mm, step_mm, where):
     """Lowers the balloon's radius until it has left the wall, then removes the balloon.
 
     Lowering its pressure instead does not work: below some pressure soft plaque in a stretched wall collapses, and no
     load step is small enough. nearest_mm(): least distance (mm) of the lumen from the axis.
     """
     radius = model.loads()["balloon_radius"]
-    while model.loads()["balloon_share"] and radius > 0 and radius > nearest_mm() - CLEAR_MM:
+    while model.loads()["balloon_share"] and radius > 0 and radius > nearest_mm() - CONTACT_GAP_MM:
         radius = max(radius - step_mm, 0.0)
         model.advance({"balloon_radius": radius}, where)
     model.advance({"balloon_share": 0.0}, where)
 
 
-def treat(model, steps, s_mm, settings, stents_here, name):
-    """Runs the steps of the procedure in a placed SliceModel at arc length s_mm of the branch `name`.
+def run_procedure(model, steps, s_mm, settings, stented, branch_name):
+    """Runs the steps of the procedure in a placed SliceModel at arc length s_mm of the branch.
 
-    stents_here: whether stents hold at this slice. Returns a list of {step, inflated_radius_mm, radius_mm}: the radii
+    stented: whether stents hold at this slice. Returns a list of {step, inflated_radius_mm, radius_mm}: the radii
     of circles of the lumen's area at full inflation and after deflation. Raises ComputationError if a load step does
     not converge.
     """
@@ -40,14 +40,14 @@ def treat(model, steps, s_mm, settings, stents_here, name):
     # The laws are evaluated even at share 0, so their constants must be regular.
     model.set_loads(dict.fromkeys(("balloon_radius", "stent_radius"), 0.0))
     model.set_loads(dict.fromkeys(("balloon_stiffness", "balloon_cap", "stent_stiffness", "stent_cap"), 1.0))
-    carried = None
+    stent = None
     for step in steps:
-        where = f"slice at s = {s_mm:.2f} mm of {name}, step {step.name}"
+        where = f"slice at s = {s_mm:.2f} mm of {branch_name}, step {step.name}"
         radius = float(step.balloon.radius_at(s_mm))
         distance = np.linalg.norm(model.lumen_position(), axis=1)
         start = max(float(distance.min()) - 0.05, 0.0)
-        if step.stent and step.stent.covers(s_mm) and stents_here:
-            carried = step.stent
+        if step.stent and step.stent.covers(s_mm) and stented:
+            stent = step.stent
         if radius > start:
             model.set_loads(
                 {
@@ -61,20 +61,20 @@ def treat(model, steps, s_mm, settings, stents_here, name):
             for value in np.linspace(start, radius, count + 1)[1:]:
                 model.advance({"balloon_radius": float(value)}, where)
         inflated = float(np.sqrt(model.lumen_area() / np.pi))
-        if carried:
+        if stent:
             # The stent is round the balloon, so it opens no further than the balloon's free radius, or than the lumen.
-            held_radius = max(held_radius, carried.recoil_share * min(inflated, radius))
+            held_radius = max(held_radius, stent.recoil_share * min(inflated, radius))
             model.set_loads(
                 {
                     "stent_radius": held_radius,
                     "stent_stiffness": settings["stent_stiffness_mpa_per_mm"],
-                    "stent_cap": carried.cap_mpa,
+                    "stent_cap": stent.cap_mpa,
                 }
             )
-        if carried:
-            hand_over(model, where)
+        if stent:
+            transfer_to_stent(model, where)
         else:
-            shrink(
+            deflate(
                 model, lambda: np.linalg.norm(model.lumen_position(), axis=1).min(), settings["radius_step_mm"], where
             )
         final = float(np.sqrt(model.lumen_area() / np.pi))

@@ -21,12 +21,12 @@ def _tensor_order():
 
 
 class Tube:
-    """Hexahedra between the rays of `tissue.rays`, nodes at stations x angles x depths.
+    """Hexahedra between the rays of `tissue.inner_outer_radii`, nodes at stations x angles x depths.
 
     axis: Curve. inner_mm, outer_mm: (stations, 2 around) radii. station_s_mm (stations,): arc lengths of the planes of
     nodes, odd in number, by turns at corners and middles of the elements. through: elements through the wall. Nodes are
-    numbered station by station, then by angle, then by depth. chart_mm (nodes, 3) holds their coordinates (s, a, b),
-    with a and b along the section's normal and binormal.
+    numbered station by station, then by angle, then by depth. section_coordinates_mm (nodes, 3) holds their coordinates
+    (s, a, b), with a and b along the section's normal and binormal.
     """
 
     def __init__(self, axis, station_s_mm, inner_mm, outer_mm, through):
@@ -39,18 +39,18 @@ class Tube:
         a = radius * np.cos(self.theta_rad)[:, None]
         b = radius * np.sin(self.theta_rad)[:, None]
         s = np.broadcast_to(self.station_s_mm[:, None, None], a.shape)
-        self.chart_mm = np.stack([s.ravel(), a.ravel(), b.ravel()], axis=1)
-        self.points_mm = self._placed(axis)
+        self.section_coordinates_mm = np.stack([s.ravel(), a.ravel(), b.ravel()], axis=1)
+        self.points_mm = self._node_points(axis)
         domain = fenicsx.quadratic_domain("hexahedron")
         cells = self._cells(stations, columns, through)
         self.mesh = dmesh.create_mesh(MPI.COMM_SELF, cells, self.points_mm, domain)
         self._tree = cKDTree(self.points_mm)
         self.facet_tags = self._tags(stations, columns)
 
-    def _placed(self, axis):
-        centre = axis.point(self.chart_mm[:, 0])
-        _, normal, binormal = axis.frame(self.chart_mm[:, 0])
-        return centre + self.chart_mm[:, 1:2] * normal + self.chart_mm[:, 2:] * binormal
+    def _node_points(self, axis):
+        centre = axis.point(self.section_coordinates_mm[:, 0])
+        _, normal, binormal = axis.frame(self.section_coordinates_mm[:, 0])
+        return centre + self.section_coordinates_mm[:, 1:2] * normal + self.section_coordinates_mm[:, 2:] * binormal
 
     def _cells(self, stations, columns, through):
         offsets = _tensor_order()
@@ -61,7 +61,7 @@ class Tube:
             found.append((along * columns + turn % columns) * self.rows + depth)
         return np.array(found, np.int64)
 
-    def nodes_of(self, points_mm):
+    def find_nodes(self, points_mm):
         """Numbers (n,) of the nodes at points (n, 3)."""
         distance, number = self._tree.query(points_mm)
         assert distance.max(initial=0) < 1e-9, "no node there"
@@ -77,7 +77,7 @@ class Tube:
         for tag, members in groups:
             flag = np.zeros(len(self.points_mm), bool)
             flag[members] = True
-            at = dmesh.locate_entities_boundary(self.mesh, 2, lambda x: flag[self.nodes_of(x.T)])
+            at = dmesh.locate_entities_boundary(self.mesh, 2, lambda x: flag[self.find_nodes(x.T)])
             facets.append(at)
             tags.append(np.full(len(at), tag))
         facets, tags = np.concatenate(facets).astype(np.int32), np.concatenate(tags).astype(np.int32)

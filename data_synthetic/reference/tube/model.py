@@ -8,20 +8,20 @@ from dolfinx import fem
 from common import fenicsx
 
 from ..solid import laws
-from ..solid.stepped import SteppedModel
+from ..solid.load_stepping import LoadSteppedModel
 from .mesh import ENDS, LUMEN, OUTSIDE
 
-PLACES = ("balloon_centre", "balloon_half_length", "balloon_shoulder", "stent_start", "stent_end")
+DEVICE_POSITIONS = ("balloon_centre", "balloon_half_length", "balloon_shoulder", "stent_start", "stent_end")
 ROLLER_MPA_PER_MM = 1e5  # support along the axis, so stiff that the end faces stay in their planes
 
 
-class TubeModel(SteppedModel):
+class TubeModel(LoadSteppedModel):
     """Solid model of hexahedra of degree 2 in displacements. The volumetric part is integrated with 2 x 2 x 2 points.
 
     tube: Tube; axis: Curve; material: function of s, theta, radius, each (n,), that returns (share of plaque, shear,
-    yield, hardening in MPa); settings: section `reference`. Loads besides LOADS: PLACES (mm), the places of balloon and
-    stent. The stent acts on the material points of its span. The devices are on the lumen's axis at rest. A point's
-    distance from them and its arc length are measured in the frame of its section at rest.
+    yield, hardening in MPa); settings: section `reference`. Loads besides LOAD_NAMES: DEVICE_POSITIONS (mm), the places
+    of balloon and stent. The stent acts on the material points of its span. The devices are on the lumen's axis at
+    rest. A point's distance from them and its arc length are measured in the frame of its section at rest.
     """
 
     plastic_size = 6
@@ -32,28 +32,28 @@ class TubeModel(SteppedModel):
         self.tube, mesh = tube, tube.mesh
         self._space = fenicsx.function_space(mesh, fenicsx.lagrange("hexahedron", 2, 3))
         scalar = fenicsx.function_space(mesh, fenicsx.lagrange("hexahedron", 2))
-        self._node = tube.nodes_of(self._space.tabulate_dof_coordinates())
-        self._scalar_node = tube.nodes_of(scalar.tabulate_dof_coordinates())
+        self._node = tube.find_nodes(self._space.tabulate_dof_coordinates())
+        self._scalar_node = tube.find_nodes(scalar.tabulate_dof_coordinates())
         self.u = fem.Function(self._space)
-        self._make_loads(mesh, PLACES)
+        self._create_loads(mesh, DEVICE_POSITIONS)
         self.set_loads({"balloon_shoulder": 1.0})
-        self._held = fem.Function(scalar)
-        self._plastic, self._strain, self._material = (self._at_points(mesh, n) for n in (6, 1, 4))
+        self._stent_radius = fem.Function(scalar)
+        self._plastic, self._strain, self._material = (self._quadrature_function(mesh, n) for n in (6, 1, 4))
         points, _ = basix.make_quadrature(basix.CellType.hexahedron, laws.DEVIATORIC_DEGREE)
         self._cells = np.arange(mesh.topology.index_map(3).size_local, dtype=np.int32)
-        chart = self._field(tube.chart_mm)
-        self._rest(fem.Expression(chart, points), material)
+        chart = self._nodal_function(tube.section_coordinates_mm)
+        self._set_rest_state(fem.Expression(chart, points), material)
         self._compile(points, chart, axis, settings)
 
-    def _field(self, values):
+    def _nodal_function(self, values):
         """fem.Function of degree 2 that has `values` (nodes, 3) at the nodes."""
         found = fem.Function(self._space)
         found.x.array[:] = values[self._node].ravel()
         return found
 
-    def _rest(self, chart, material):
+    def _set_rest_state(self, chart, material):
         """Sets the material constants and the unloaded state at the quadrature points."""
-        s, a, b = fenicsx.evaluated(chart, self.tube.mesh, self._cells).reshape(-1, 3).T
+        s, a, b = fenicsx.evaluate(chart, self.tube.mesh, self._cells).reshape(-1, 3).T
         self._material.x.array[:] = np.stack(material(s, np.arctan2(b, a), np.hypot(a, b)), axis=1).ravel()
         self._plastic.x.array[:] = np.tile([1.0, 1.0, 1.0, 0.0, 0.0, 0.0], len(s))
 
@@ -73,8 +73,8 @@ class TubeModel(SteppedModel):
         full = ufl.dx(domain=mesh, metadata={"quadrature_degree": laws.DEVIATORIC_DEGREE})
         reduced = ufl.dx(domain=mesh, metadata={"quadrature_degree": laws.VOLUMETRIC_DEGREE})
         ds = ufl.Measure("ds", domain=mesh, subdomain_data=self.tube.facet_tags, metadata={"quadrature_degree": 5})
-        centre = self._field(axis.point(self.tube.chart_mm[:, 0]))
-        tangent = self._field(axis.frame(self.tube.chart_mm[:, 0])[0])
+        centre = self._nodal_function(axis.point(self.tube.section_coordinates_mm[:, 0]))
+        tangent = self._nodal_function(axis.frame(self.tube.section_coordinates_mm[:, 0])[0])
         at = ufl.SpatialCoordinate(mesh) + u - centre
         along = ufl.inner(at, tangent)
         across = at - along * tangent
@@ -83,14 +83,14 @@ class TubeModel(SteppedModel):
         covered = ufl.And(ufl.gt(chart[0], c["stent_start"]), ufl.lt(chart[0], c["stent_end"]))
         beyond = ufl.max_value(abs(chart[0] + along - c["balloon_centre"]) - c["balloon_half_length"], 0.0)
         tapered = c["balloon_radius"] * ufl.max_value(1 - beyond / c["balloon_shoulder"], 0.0)
-        radii = {"balloon": tapered, "stent": self._held}
+        radii = {"balloon": tapered, "stent": self._stent_radius}
         shares = {"balloon": 1.0, "stent": ufl.conditional(covered, 1.0, 0.0)}
         load = c["pressure"]
         for name, radius in radii.items():
             law = laws.device_pressure(distance, radius, c[f"{name}_stiffness"], c[f"{name}_cap"])
             load = load + shares[name] * c[f"{name}_share"] * law
         area_normal = ufl.det(f) * ufl.inv(f).T * ufl.FacetNormal(mesh)
-        self._prepare(
+        self._set_up_solver(
             ufl.inner(deviatoric, virtual) * full
             + laws.volumetric_stress(f, bulk) * ufl.tr(virtual) * reduced
             + load * ufl.inner(area_normal, v) * ds(LUMEN)
@@ -99,10 +99,10 @@ class TubeModel(SteppedModel):
         )
         self._solver.getPC().setFactorSolverType("mumps")
 
-    def set_held(self, radius_mm):
+    def set_stent_radius(self, radius_mm):
         """Sets the radius (stations,) in mm that the stent holds at each station."""
         per_node = np.repeat(radius_mm, len(self.tube.points_mm) // len(radius_mm))
-        self._held.x.array[:] = per_node[self._scalar_node]
+        self._stent_radius.x.array[:] = per_node[self._scalar_node]
 
     def displacement(self):
         """Displacement (nodes, 3) in mm."""

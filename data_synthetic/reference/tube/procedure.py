@@ -8,7 +8,7 @@ from common.errors import InputError
 
 from ..slices import slices
 from ..solid import tissue
-from ..treatment.procedure import hand_over, shrink
+from ..treatment.procedure import transfer_to_stent, deflate
 from .mesh import Tube
 from .model import TubeModel
 
@@ -23,7 +23,7 @@ def enclosed_area(a_mm, b_mm):
     return np.pi * np.mean(a_mm * slope_b - b_mm * slope_a, axis=1)
 
 
-def stations(breaks_mm, element_mm):
+def station_positions(breaks_mm, element_mm):
     """Arc lengths of corners and middles of elements of about element_mm, with a corner at each of breaks_mm."""
     found = [np.array([breaks_mm[0]])]
     for a, b in zip(breaks_mm[:-1], breaks_mm[1:]):
@@ -33,7 +33,7 @@ def stations(breaks_mm, element_mm):
 
 
 class TreatedTube:
-    """The stretch of a Patient that the steps of a procedure reach, as a solid. After `run`, `profile` has its areas.
+    """The stretch of a Patient that the steps of a procedure reach, as a solid. After `run`, see `area_profile`.
 
     mesh: (elements round the lumen, elements through the wall, element length in mm). Raises InputError unless the
     steps have exactly one stented stretch.
@@ -43,53 +43,57 @@ class TreatedTube:
         around, through, element_mm = mesh
         self.branch, self.steps, self.settings = patient.branch, steps, settings
         axis = self.branch.axis
-        free_s, held = slices.slice_positions(
+        unstented_s, stented = slices.slice_positions(
             axis.length_mm, steps, settings["slice_spacing_mm"], settings["margin_mm"]
         )
-        if len(held) != 1:
+        if len(stented) != 1:
             raise InputError(
                 "the solid in three dimensions takes one stented stretch",
                 "procedure",
-                f"{len(held)} stretches",
+                f"{len(stented)} stretches",
                 "a plan with one stent, or stents that overlap",
             )
-        self.span = held[0][:2]
-        station_s = stations([free_s[0], *self.span, free_s[-1]], element_mm)
+        self.stented_span = stented[0][:2]
+        station_s = station_positions([unstented_s[0], *self.stented_span, unstented_s[-1]], element_mm)
         theta = np.pi * np.arange(2 * around) / around
-        inner, outer = tissue.rays(self.branch, patient.wall_mm, station_s[:, None], theta[None])
+        inner, outer = tissue.inner_outer_radii(self.branch, patient.wall_mm, station_s[:, None], theta[None])
         self.tube = Tube(axis, station_s, inner, outer, through)
 
         def material(s, theta, radius):
-            return tissue.constants(self.branch, s, theta, radius)
+            return tissue.material_constants(self.branch, s, theta, radius)
 
         self.model = TubeModel(self.tube, axis, material, settings)
-        self.model.set_loads({"stent_start": self.span[0], "stent_end": self.span[1]})
-        self._near = np.full(len(station_s), True)  # stations along the present balloon
+        self.model.set_loads({"stent_start": self.stented_span[0], "stent_end": self.stented_span[1]})
+        self._balloon_stations = np.full(len(station_s), True)  # stations along the present balloon
 
     def run(self):
         """Does all steps of the procedure. Raises ComputationError if a load step does not converge."""
-        held = np.zeros(len(self.tube.station_s_mm))
-        inside = (self.tube.station_s_mm > self.span[0] - 1e-6) & (self.tube.station_s_mm < self.span[1] + 1e-6)
-        carried, model = None, self.model
+        stent_radius = np.zeros(len(self.tube.station_s_mm))
+        inside = (self.tube.station_s_mm > self.stented_span[0] - 1e-6) & (
+            self.tube.station_s_mm < self.stented_span[1] + 1e-6
+        )
+        stent, model = None, self.model
         for step in self.steps:
             self._inflate(model, step)
-            carried = step.stent or carried
-            if carried:
-                reached = np.minimum(np.sqrt(self.profile()[1] / np.pi), step.balloon.radius_at(self.tube.station_s_mm))
-                held = np.where(inside, np.maximum(held, carried.recoil_share * reached), 0.0)
-                model.set_held(_extended(held, inside))
-                model.set_loads(
-                    {"stent_stiffness": self.settings["stent_stiffness_mpa_per_mm"], "stent_cap": carried.cap_mpa}
+            stent = step.stent or stent
+            if stent:
+                reached = np.minimum(
+                    np.sqrt(self.area_profile()[1] / np.pi), step.balloon.radius_at(self.tube.station_s_mm)
                 )
-                hand_over(model, step.name)
+                stent_radius = np.where(inside, np.maximum(stent_radius, stent.recoil_share * reached), 0.0)
+                model.set_stent_radius(_extend_beyond_stent(stent_radius, inside))
+                model.set_loads(
+                    {"stent_stiffness": self.settings["stent_stiffness_mpa_per_mm"], "stent_cap": stent.cap_mpa}
+                )
+                transfer_to_stent(model, step.name)
             else:
-                shrink(model, self._nearest, self.settings["radius_step_mm"], step.name)
-            self._say(step.name, "deflated")
+                deflate(model, self._least_radius_mm, self.settings["radius_step_mm"], step.name)
+            self._print_progress(step.name, "deflated")
 
     def _inflate(self, model, step):
         balloon = step.balloon
-        self._near = np.abs(self.tube.station_s_mm - balloon.centre_s_mm) < 0.5 * balloon.length_mm
-        start = max(self._nearest() - 0.05, 0.0)
+        self._balloon_stations = np.abs(self.tube.station_s_mm - balloon.centre_s_mm) < 0.5 * balloon.length_mm
+        start = max(self._least_radius_mm() - 0.05, 0.0)
         if balloon.radius_mm <= start:
             return
         law = {"balloon_stiffness": balloon.stiffness_mpa_per_mm, "balloon_cap": balloon.cap_mpa}
@@ -102,13 +106,13 @@ class TreatedTube:
         count = max(int(np.ceil((balloon.radius_mm - start) / self.settings["radius_step_mm"])), 1)
         for value in np.linspace(start, balloon.radius_mm, count + 1)[1:]:
             model.advance({"balloon_radius": float(value)}, step.name)
-            self._say(step.name, f"balloon {value:.3f} mm")
+            self._print_progress(step.name, f"balloon {value:.3f} mm")
 
-    def _say(self, step, what):
-        area = self.profile()[1].min()
+    def _print_progress(self, step, what):
+        area = self.area_profile()[1].min()
         print(f"{step}: {what}, smallest area {area:.3f} mm2, {self.model.iterations} iterations", file=sys.stderr)
 
-    def _moved(self):
+    def _lumen_positions(self):
         """Positions (stations, 2 around, 3) of the lumen's nodes along their section's tangent, normal and binormal."""
         nodes = self.tube.lumen_nodes()
         s = self.tube.station_s_mm
@@ -116,17 +120,17 @@ class TreatedTube:
         frame = np.stack(self.branch.axis.frame(s), axis=1)
         return np.einsum("skj,smj->smk", frame, moved)
 
-    def _nearest(self):
+    def _least_radius_mm(self):
         """Least distance (mm) of the lumen from the axis along the present balloon."""
-        return float(np.linalg.norm(self._moved()[self._near][..., 1:], axis=2).min())
+        return float(np.linalg.norm(self._lumen_positions()[self._balloon_stations][..., 1:], axis=2).min())
 
-    def profile(self):
+    def area_profile(self):
         """(arc length (stations,) mm of the moved stations, area (stations,) mm2) of the lumen."""
-        moved = self._moved()
+        moved = self._lumen_positions()
         return self.tube.station_s_mm + moved[..., 0].mean(axis=1), enclosed_area(moved[..., 1], moved[..., 2])
 
 
-def _extended(held, inside):
+def _extend_beyond_stent(held, inside):
     """The values (stations,) with those outside the stent replaced by that of the nearest stented station.
 
     They have no effect there.

@@ -35,17 +35,17 @@ def make(rings, wall_layers=1):
         vertices += [[k / rings, np.pi * j / (3 * k)] for j in range(6 * k)]
     triangles = []
     for k in range(1, rings + 1):
-        triangles += _between(k, first)
+        triangles += _ring_triangles(k, first)
     if wall_layers > 1:
-        vertices, triangles = _layered(wall_layers, vertices, triangles, first[rings])
+        vertices, triangles = _split_outer_ring(wall_layers, vertices, triangles, first[rings])
     vertices, triangles = np.array(vertices), np.array(triangles)
     sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     edges = np.unique(sides, axis=0)
     rim = np.arange(len(vertices) - 6 * rings, len(vertices))
-    return Disc(rings, vertices, triangles, edges, _middles(vertices, edges), rim)
+    return Disc(rings, vertices, triangles, edges, _edge_middles(vertices, edges), rim)
 
 
-def _between(k, first):
+def _ring_triangles(k, first):
     """Triangles between the circles k - 1 and k, counter-clockwise; first[k]: number of circle k's first vertex."""
 
     def outer(sector, j):
@@ -63,7 +63,7 @@ def _between(k, first):
     return found
 
 
-def _layered(layers, vertices, triangles, outermost):
+def _split_outer_ring(layers, vertices, triangles, outermost):
     """(vertices, triangles) of the disc with its outermost ring split into `layers` layers.
 
     The triangles of the outermost ring become those of the innermost layer: its outer circle moves inwards, and further
@@ -84,7 +84,7 @@ def _layered(layers, vertices, triangles, outermost):
     return rest, triangles
 
 
-def _middles(vertices, edges):
+def _edge_middles(vertices, edges):
     """Middles (e, 2) of edges (e, 2) as (rho, angle): the means of the radii and of the angles at the two ends."""
     (rho_a, angle_a), (rho_b, angle_b) = vertices[edges[:, 0]].T, vertices[edges[:, 1]].T
     turn = (angle_b - angle_a + np.pi) % (2 * np.pi) - np.pi

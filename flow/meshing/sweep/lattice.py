@@ -3,9 +3,9 @@
 The template disc (meshing.sweep.disc) is laid into the section at every station. The prisms between two stations are
 split into tetrahedra. A point (rho, angle) of the disc lies at the distance m(rho) r(angle) from the section's centre,
 where r is the radius of the smooth surface. m makes the rings narrow at the edge of the jet behind a narrowing
-(`rings_at`). In the throat, and without a jet, this edge is put at LARGEST_EDGE of the radius. For the middle points of
-edges the disc is also laid into sections halfway between stations. Towards the axis the middle points approach the
-middles of straight edges, so that edges at the wall are curved and those at the axis straight.
+(`ring_radii`). In the throat, and without a jet, this edge is put at LARGEST_JET_SHARE of the radius. For the middle
+points of edges the disc is also laid into sections halfway between stations. Towards the axis the middle points
+approach the middles of straight edges, so that edges at the wall are curved and those at the axis straight.
 """
 
 import dataclasses
@@ -13,23 +13,25 @@ import dataclasses
 import numpy as np
 
 from flow.geometry import tet10
-from flow.geometry.vectors import circle
+from flow.geometry.vectors import cosines_and_sines
 from flow.meshing.sweep import axis as axis_module
 
-REACH = 2.5  # a section is cut from the wall facets within this many radii of the branch from its centre
+REACH_RADII = 2.5  # a section is cut from the wall facets within this many radii of the branch from its centre
 LARGEST_ASPECT = 3.0  # largest ratio of the radii of one section; others are not swept
-# The next three are used in rings_at. LARGEST_EDGE limits the jet's radius over the vessel's. GRADING says how much the
-# rings within the jet narrow towards its edge. LAST is the place of the last ring but one, as a share of the way from
-# the jet's edge to the wall. Both have a value for up to three rings and one for four. They were fitted to the error of
-# FFR at a stenosis of 62 %: -.0002 with three rings (-.0005 with the second values), +.0007 with four (+.0010 with a
-# LAST of 1 / 3).
-LARGEST_EDGE = 0.82
-GRADING, LAST = (0.3, 0.5), (1 / 3, 1 / 2)
-# With more than FITTED rings the share INSIDE of them lies within the jet, so that more rings make a mesh finer
-# everywhere. With as many rings outside the jet as 4 rings have there, 6 rings had an error of FFR of +.0003 instead of
-# +.0001, and 10 rings left every tenth curved edge straight. FINE_GRADING takes the place of GRADING.
-FITTED, INSIDE, FINE_GRADING = 4, 2 / 3, 0.3
-FULLNESS = 3  # the middle of an edge is moved from its straight to its curved place by the share rho^FULLNESS
+# The next three are used in ring_radii. LARGEST_JET_SHARE limits the jet's radius over the vessel's. GRADING says how
+# much the rings within the jet narrow towards its edge. LAST_RING is the place of the last ring but one, as a share of
+# the way from the jet's edge to the wall. Both have a value for up to three rings and one for four. They were fitted to
+# the error of FFR at a stenosis of 62 %: -.0002 with three rings (-.0005 with the second values), +.0007 with four
+# (+.0010 with a LAST_RING of 1 / 3).
+LARGEST_JET_SHARE = 0.82
+GRADING, LAST_RING = (0.3, 0.5), (1 / 3, 1 / 2)
+# With more than FITTED_RINGS rings the share SHARE_IN_JET of them lies within the jet, so that more rings make a mesh
+# finer everywhere. With as many rings outside the jet as 4 rings have there, 6 rings had an error of FFR of +.0003
+# instead of +.0001, and 10 rings left every tenth curved edge straight. FINE_GRADING takes the place of GRADING.
+FITTED_RINGS, SHARE_IN_JET, FINE_GRADING = 4, 2 / 3, 0.3
+CURVING_EXPONENT = (
+    3  # the middle of an edge is moved from its straight to its curved place by the share rho^CURVING_EXPONENT
+)
 
 
 @dataclasses.dataclass
@@ -38,8 +40,8 @@ class Lattice:
 
     points (n, 3) in mm; tetrahedra (t, 4); edges (e, 2) and their middles (e, 3) in mm; wall: outward triangles (f, 3);
     discs: outward triangles (d, 3) of the first and of the last end; rims: wall vertices (r,) of the two ends in order
-    of angle; normals (n, 3): unit normals of the smooth surface at the rims, zero elsewhere; owners: numbers of the
-    surface's facets on which the wall points lie, without those of the two ends.
+    of angle; normals (n, 3): unit normals of the smooth surface at the rims, zero elsewhere; wall_facets: numbers of
+    the surface's facets on which the wall points lie, without those of the two ends.
     """
 
     points: np.ndarray
@@ -50,7 +52,7 @@ class Lattice:
     discs: tuple
     rims: tuple
     normals: np.ndarray
-    owners: np.ndarray
+    wall_facets: np.ndarray
 
 
 class Sections:
@@ -68,9 +70,9 @@ class Sections:
         for k, (origin, normal) in enumerate(zip(origins, normals)):
             cap = caps[0] if k == 0 else caps[1] if k == len(s_mm) - 1 else None
             if cap is not None:
-                found = slicer.rim(cap, origin, normal, e1[k], e2[k])
+                found = slicer.rim_section(cap, origin, normal, e1[k], e2[k])
             else:
-                found = slicer.cut(origin, normal, e1[k], e2[k], REACH * axis.radius(s_mm[k]))
+                found = slicer.cut_section(origin, normal, e1[k], e2[k], REACH_RADII * axis.radius(s_mm[k]))
             self.sections.append(found)
 
     def radii(self, angles):
@@ -80,14 +82,14 @@ class Sections:
         surface's facets at these places, -1 where the section is not star-shaped; radius and normals are 0 there.
         """
         shape = (len(self.sections), len(angles))
-        radius, facets, facing = np.zeros(shape), np.full(shape, -1), np.zeros(shape + (3,))
+        radius, facets, normals = np.zeros(shape), np.full(shape, -1), np.zeros(shape + (3,))
         ok = np.zeros(shape[0], bool)
         for k, section in enumerate(self.sections):
             found = section.radii(angles) if section is not None else None
             if found is not None:
-                radius[k], facets[k], facing[k] = found
+                radius[k], facets[k], normals[k] = found
                 ok[k] = radius[k].max() <= LARGEST_ASPECT * radius[k].min()
-        return radius, ok, facets, facing
+        return radius, ok, facets, normals
 
     @property
     def centres(self):
@@ -95,40 +97,40 @@ class Sections:
         return np.array([section.centre for section in self.sections])
 
 
-def rings_at(rho, rings, edge):
+def ring_radii(rho, rings, jet_share):
     """Distances from the centre over the section's radius, (m, n), for points of the disc at rho (n,).
 
-    edge (m,): the jet's radius over the vessel's at each level; larger values than LARGEST_EDGE are replaced by it.
-    With up to FITTED rings all but the outer one and a half lie within the jet, and get narrower towards its edge by
-    GRADING. The last ring but one ends at the share LAST of the way from the jet's edge to the wall. With more rings
-    two thirds of them lie within the jet; the others are equally wide.
+    jet_share (m,): the jet's radius over the vessel's at each level; larger values than LARGEST_JET_SHARE are replaced
+    by it. With up to FITTED_RINGS rings all but the outer one and a half lie within the jet, and get narrower towards
+    its edge by GRADING. The last ring but one ends at the share LAST_RING of the way from the jet's edge to the wall.
+    With more rings two thirds of them lie within the jet; the others are equally wide.
     """
-    if rings > FITTED:
-        inner, grading = np.floor(INSIDE * rings) / rings, FINE_GRADING
+    if rings > FITTED_RINGS:
+        inner, grading = np.floor(SHARE_IN_JET * rings) / rings, FINE_GRADING
         outside = np.clip((rho - inner) / (1.0 - inner), 0.0, 1.0)
     else:
         inner = (rings - 1.5) / rings
-        grading, last = (pair[int(rings > 3)] for pair in (GRADING, LAST))
+        grading, last = (pair[int(rings > 3)] for pair in (GRADING, LAST_RING))
         outside = np.interp(rho, [inner, 1.0 - 1.0 / rings, 1.0], [0.0, last, 1.0])
-    edge = np.minimum(edge, LARGEST_EDGE)[:, None]
+    jet_share = np.minimum(jet_share, LARGEST_JET_SHARE)[:, None]
     x = np.minimum(rho / inner, 1.0)
-    return edge * x * (1.0 + grading * (1.0 - x)) + (1.0 - edge) * outside
+    return jet_share * x * (1.0 + grading * (1.0 - x)) + (1.0 - jet_share) * outside
 
 
-def build(sections, disc, edge):
+def build(sections, disc, jet_share):
     """Lattice of `disc` in `sections` at 2 K + 1 levels, of which every second one is a station.
 
-    edge (2 K + 1,): radius of the jet over the vessel's at each level, 1 without a jet. None if a section is not ok
-    (`Sections.radii`).
+    jet_share (2 K + 1,): radius of the jet over the vessel's at each level, 1 without a jet. None if a section is not
+    ok (`Sections.radii`).
     """
     rays = len(disc.rim)
     angles = np.pi * np.arange(2 * rays) / rays
-    radius, ok, facets, facing = sections.radii(angles)
+    radius, ok, facets, normals_at_wall = sections.radii(angles)
     if not ok.all():
         return None
-    around = _Positions(sections, radius, angles, disc.rings, edge)
-    vertices = around(disc.vertices)
-    middles = around(disc.middles)
+    place = _DiscPlacement(sections, radius, angles, disc.rings, jet_share)
+    vertices = place(disc.vertices)
+    middles = place(disc.middles)
     per_level, stations = len(disc.vertices), (len(radius) + 1) // 2
     points = vertices[::2].reshape(-1, 3)
     edges, middle = _edges(disc, vertices, middles, points)
@@ -149,7 +151,7 @@ def build(sections, disc, edge):
     wall = np.concatenate([(level + side).reshape(-1, 3) for side in wall])
     last = per_level * (stations - 1)
     normals = np.zeros_like(points)
-    normals[disc.rim], normals[last + disc.rim] = facing[0, ::2], facing[-1, ::2]
+    normals[disc.rim], normals[last + disc.rim] = normals_at_wall[0, ::2], normals_at_wall[-1, ::2]
     return Lattice(
         points,
         tetrahedra,
@@ -163,14 +165,14 @@ def build(sections, disc, edge):
     )
 
 
-def turned_over(lattice, disc):
+def inverted_gaps(lattice, disc):
     """Numbers (k,) of the gaps between stations that hold a turned-over tetrahedron, which overlaps its neighbours.
 
     A tetrahedron is turned over if its volume has another sign than in the lattice of a straight tube.
     """
     rho, angle = disc.vertices.T
     per_level, stations = len(rho), len(lattice.points) // len(rho)
-    plane = rho[:, None] * np.stack(circle(angle), axis=1)
+    plane = rho[:, None] * np.stack(cosines_and_sines(angle), axis=1)
     height = np.repeat(np.arange(stations, dtype=float), per_level)[:, None]
     straight = np.concatenate([np.tile(plane, (stations, 1)), height], axis=1)
     signs = [np.sign(tet10.six_volumes(points, lattice.tetrahedra)) for points in (straight, lattice.points)]
@@ -178,11 +180,11 @@ def turned_over(lattice, disc):
     return np.unique(wrong.min(axis=1) // per_level)
 
 
-class _Positions:
+class _DiscPlacement:
     """Places points of the disc in all sections: (rho, angle) (n, 2) -> points (m, n, 3) in mm."""
 
-    def __init__(self, sections, radius, angles, rings, edge):
-        self.rings, self.edge = rings, np.asarray(edge)
+    def __init__(self, sections, radius, angles, rings, jet_share):
+        self.rings, self.jet_share = rings, np.asarray(jet_share)
         self.centres, self.e1, self.e2 = sections.centres, sections.e1, sections.e2
         self.radius, self.step = radius, angles[1]
 
@@ -193,8 +195,8 @@ class _Positions:
         share = np.maximum(place - low, 0.0)
         count = self.radius.shape[1]
         radius = (1 - share) * self.radius[:, low % count] + share * self.radius[:, (low + 1) % count]
-        rho = rings_at(rho, self.rings, self.edge)
-        x, y = (rho * radius * part for part in circle(angle))
+        rho = ring_radii(rho, self.rings, self.jet_share)
+        x, y = (rho * radius * part for part in cosines_and_sines(angle))
         return self.centres[:, None] + x[..., None] * self.e1[:, None] + y[..., None] * self.e2[:, None]
 
 
@@ -217,7 +219,7 @@ def _edges(disc, vertices, middles, points):
     edges, found = [], []
     for start, end, lattice, rho in groups:
         straight = 0.5 * (points[start] + points[end])
-        share = np.prod([rho] * FULLNESS, axis=0)[None, :, None]
+        share = np.prod([rho] * CURVING_EXPONENT, axis=0)[None, :, None]
         edges.append(np.stack([start, end], axis=-1).reshape(-1, 2))
         found.append((straight + share * (lattice - straight)).reshape(-1, 3))
     return np.concatenate(edges), np.concatenate(found)

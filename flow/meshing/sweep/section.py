@@ -12,9 +12,9 @@ from scipy.spatial import cKDTree
 
 from flow.geometry import smooth_surface
 from flow.geometry.surface import WALL
-from flow.geometry.vectors import circle, dot, unit
+from flow.geometry.vectors import cosines_and_sines, dot, unit
 
-FOLLOWING = np.array([1, 2, 0])
+NEXT_CORNER = np.array([1, 2, 0])
 
 
 class Section:
@@ -26,8 +26,8 @@ class Section:
     normal_at(segment, t) the unit normals (k, 3) of the smooth surface.
     """
 
-    def __init__(self, origin, e1, e2, segments, facing, owner, offset, normal_at):
-        self.e1, self.e2, self.facing, self.owner = e1, e2, facing, owner
+    def __init__(self, origin, e1, e2, segments, facet_normals, facets, offset, normal_at):
+        self.e1, self.e2, self.facet_normals, self.facets = e1, e2, facet_normals, facets
         self.offset, self.normal_at = offset, normal_at
         a, b = segments[:, 0], segments[:, 1]
         cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
@@ -41,7 +41,7 @@ class Section:
 
         None where the loop is not star-shaped about its centre, or a ray meets a facet at a grazing angle.
         """
-        direction = np.stack(circle(angles), axis=1)
+        direction = np.stack(cosines_and_sines(angles), axis=1)
         a, b = self.segments[:, 0], self.segments[:, 1]
         side_a = direction[:, :1] * a[:, 1] - direction[:, 1:] * a[:, 0]
         side_b = direction[:, :1] * b[:, 1] - direction[:, 1:] * b[:, 0]
@@ -55,12 +55,12 @@ class Section:
         point = (1 - t)[:, None] * a[segment] + t[:, None] * b[segment]
         radius = np.einsum("ij,ij->i", point, direction)
         ray = direction[:, :1] * self.e1 + direction[:, 1:] * self.e2
-        facing = self.facing[segment]
+        facing = self.facet_normals[segment]
         slope = np.einsum("ij,ij->i", ray, facing)
         rise = np.einsum("ij,ij->i", self.offset(segment, t), facing)
         if np.any(radius <= 0) or np.any(slope < 0.1):
             return None
-        return radius + rise / slope, self.owner[segment], self.normal_at(segment, t)
+        return radius + rise / slope, self.facets[segment], self.normal_at(segment, t)
 
 
 class Slicer:
@@ -71,17 +71,17 @@ class Slicer:
         self.edges, self.side = surface.edges()
         self.normals = smooth_surface.vertex_normals(surface, self.edges, self.side)
         middles = smooth_surface.edge_middles(surface, self.edges, self.side)
-        self.bow = middles - surface.points[self.edges].mean(axis=1)
+        self.edge_offsets = middles - surface.points[self.edges].mean(axis=1)
         self.wall = np.flatnonzero(surface.region == WALL)
-        self.places = cKDTree(surface.points[surface.triangles[self.wall]].mean(axis=1))
-        self.facing = unit(surface.area_vectors())
+        self.facet_tree = cKDTree(surface.points[surface.triangles[self.wall]].mean(axis=1))
+        self.facet_normals = unit(surface.area_vectors())
 
-    def cut(self, origin, normal, e1, e2, reach):
+    def cut_section(self, origin, normal, e1, e2, reach):
         """Section by the plane through `origin` with the unit vectors normal, e1, e2.
 
         None where no single loop of wall facets within `reach` mm surrounds `origin`.
         """
-        near = self.wall[np.sort(self.places.query_ball_point(origin, reach)).astype(int)]
+        near = self.wall[np.sort(self.facet_tree.query_ball_point(origin, reach)).astype(int)]
         height = dot(self.surface.points[self.surface.triangles[near]] - origin, normal)
         height[height == 0.0] = 1e-12
         up = height > 0
@@ -90,27 +90,27 @@ class Slicer:
             return None
         crossed, height, up = near[cut], height[cut], up[cut]
         corners = self.surface.triangles[crossed]
-        leaves, enters = up & ~up[:, FOLLOWING], ~up & up[:, FOLLOWING]
+        leaves, enters = up & ~up[:, NEXT_CORNER], ~up & up[:, NEXT_CORNER]
         ends, barycentric, edge_ids = [], [], []
         for which in (leaves, enters):  # segments run so that the loop is counter-clockwise about the normal
             k = np.argmax(which, axis=1)
             rows = np.arange(len(crossed))
-            p, q = corners[rows, k], corners[rows, FOLLOWING[k]]
+            p, q = corners[rows, k], corners[rows, NEXT_CORNER[k]]
             # the smaller vertex first, so that both facets of an edge get the same bits
             low, high = np.minimum(p, q), np.maximum(p, q)
-            ends_at = height[rows, k], height[rows, FOLLOWING[k]]
+            ends_at = height[rows, k], height[rows, NEXT_CORNER[k]]
             at_low, at_high = np.where(p == low, ends_at, ends_at[::-1])
             t = at_low / (at_low - at_high)
             lam = np.zeros((len(crossed), 3))
-            lam[rows, k], lam[rows, FOLLOWING[k]] = np.where(p == low, 1 - t, t), np.where(p == low, t, 1 - t)
+            lam[rows, k], lam[rows, NEXT_CORNER[k]] = np.where(p == low, 1 - t, t), np.where(p == low, t, 1 - t)
             ends.append(self.surface.points[low] * (1 - t)[:, None] + self.surface.points[high] * t[:, None])
             barycentric.append(lam)
             edge_ids.append(self.side[crossed, k])
         flat = np.stack([np.stack([dot(x - origin, e1), dot(x - origin, e2)], axis=1) for x in ends], axis=1)
-        chosen = _surrounding(flat, edge_ids)
+        chosen = _loop_around_origin(flat, edge_ids)
         if chosen is None:
             return None
-        flat, owner = flat[chosen], crossed[chosen]
+        flat, facets = flat[chosen], crossed[chosen]
         lam0, lam1 = (lam[chosen] for lam in barycentric)
 
         def weights(segment, t):
@@ -118,16 +118,18 @@ class Slicer:
 
         def offset(segment, t):
             lam = weights(segment, t)
-            return 4.0 * np.einsum("ij,ijk->ik", lam * lam[:, FOLLOWING], self.bow[self.side[owner[segment]]])
+            return 4.0 * np.einsum(
+                "ij,ijk->ik", lam * lam[:, NEXT_CORNER], self.edge_offsets[self.side[facets[segment]]]
+            )
 
         def normal_at(segment, t):
-            corners = self.surface.triangles[owner[segment]]
+            corners = self.surface.triangles[facets[segment]]
             return unit(np.einsum("ij,ijk->ik", weights(segment, t), self.normals[corners]))
 
-        return Section(origin, e1, e2, flat, self.facing[owner], owner, offset, normal_at)
+        return Section(origin, e1, e2, flat, self.facet_normals[facets], facets, offset, normal_at)
 
-    def rim(self, cap, origin, normal, e1, e2):
-        """Section whose loop is the rim of the cap with region id `cap`; plane as in `cut`."""
+    def rim_section(self, cap, origin, normal, e1, e2):
+        """Section whose loop is the rim of the cap with region id `cap`; plane as in `cut_section`."""
         in_cap, on_wall = self.surface.region == cap, self.surface.region == WALL
         _, first = np.unique(self.side[on_wall], return_index=True)
         wall_of = dict(zip(self.side[on_wall].ravel()[first], np.flatnonzero(on_wall)[first // 3]))
@@ -138,22 +140,22 @@ class Slicer:
         flip = turn < 0
         flat[flip] = flat[flip][:, ::-1]
         along = flat[:, 1] - flat[:, 0]
-        facing = unit(along[:, 1:] * e1 - along[:, :1] * e2)
+        facet_normals = unit(along[:, 1:] * e1 - along[:, :1] * e2)
         ends = np.where(flip[:, None], self.edges[rim][:, ::-1], self.edges[rim])
-        bow = self.bow[rim]
+        edge_offsets = self.edge_offsets[rim]
 
         def offset(segment, t):
-            return (4.0 * t * (1 - t))[:, None] * bow[segment]
+            return (4.0 * t * (1 - t))[:, None] * edge_offsets[segment]
 
         def normal_at(segment, t):
             p, q = self.normals[ends[segment, 0]], self.normals[ends[segment, 1]]
             return unit((1 - t)[:, None] * p + t[:, None] * q)
 
-        owner = np.array([wall_of[edge] for edge in rim])
-        return Section(origin, e1, e2, flat, facing, owner, offset, normal_at)
+        facets = np.array([wall_of[edge] for edge in rim])
+        return Section(origin, e1, e2, flat, facet_normals, facets, offset, normal_at)
 
 
-def _surrounding(flat, edge_ids):
+def _loop_around_origin(flat, edge_ids):
     """Which segments (m,) bool form the only loop that winds once around the origin; None unless there is one.
 
     flat (m, 2, 2): the segments in the plane; edge_ids: the surface's edges on which they start (m,) and end (m,).

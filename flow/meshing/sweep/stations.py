@@ -4,24 +4,25 @@ import numpy as np
 
 # The healthy radius at s is the smaller of two radii: the largest within this distance upstream, and downstream.
 NEIGHBOURHOOD_MM = 20.0
-# Shares of the healthy radius: a vessel is a throat up to NARROWED, and plain, without a narrowing, from HEALTHY on.
-NARROWED, HEALTHY = 0.75, 0.95
+# Shares of the healthy radius: a vessel is a throat up to THROAT_SHARE, and plain, without a narrowing, from
+# HEALTHY_SHARE on.
+THROAT_SHARE, HEALTHY_SHARE = 0.75, 0.95
 # mm by which the distance of sections may grow per mm upstream of a throat and behind it, times setting stations_plain.
 GROWTH_BEFORE, GROWTH_BEHIND = 0.3, 0.06
-TURN = 0.35  # rad: largest turn of the axis from one section to the next
+LARGEST_TURN_RAD = 0.35  # rad: largest turn of the axis from one section to the next
 STEP_MM = 0.05  # step of the numerical integration along the axis that places the sections
 
 
-def spacing(branch, settings, s_mm):
+def station_spacing(branch, settings, s_mm):
     """Wanted distance in mm between sections at arc lengths s_mm (n,) of a branch.
 
     Let R be the radius at a point and q its fraction of the healthy radius. The distance is R times `stations_throat`
     for q <= 0.75 and R times `stations_plain` for q >= 0.95. Behind a throat it grows slowly along the jet.
     """
     radius = branch.radius_mm
-    share = np.clip((healthy_share(branch) - NARROWED) / (HEALTHY - NARROWED), 0, 1)
+    share = np.clip((healthy_share(branch) - THROAT_SHARE) / (HEALTHY_SHARE - THROAT_SHARE), 0, 1)
     own = radius * (settings.stations_throat + share * (settings.stations_plain - settings.stations_throat))
-    own = np.minimum(own, TURN / np.maximum(_curvature(branch), 1e-9))
+    own = np.minimum(own, LARGEST_TURN_RAD / np.maximum(_curvature(branch), 1e-9))
     gap = s_mm[:, None] - branch.s_mm
     slope = settings.stations_plain * np.where(gap > 0, GROWTH_BEHIND, GROWTH_BEFORE)
     return np.min(own + slope * np.abs(gap), axis=1)
@@ -46,15 +47,15 @@ def _curvature(branch):
     return np.linalg.norm(np.gradient(slope, branch.s_mm, axis=0), axis=1)
 
 
-def place(branch, settings, start_mm, end_mm, coarsening=1.0):
+def place_stations(branch, settings, start_mm, end_mm, coarsening=1.0):
     """Arc lengths (k,) in mm of the sections from start_mm to end_mm inclusive, at least three.
 
-    Their distance is `coarsening` times `spacing`.
+    Their distance is `coarsening` times `station_spacing`.
     """
-    return spread(start_mm, end_mm, lambda s: coarsening * spacing(branch, settings, s), 2)
+    return spread_by_gap(start_mm, end_mm, lambda s: coarsening * station_spacing(branch, settings, s), 2)
 
 
-def spread(start_mm, end_mm, gap_mm, least):
+def spread_by_gap(start_mm, end_mm, gap_mm, least):
     """Arc lengths (k,) in mm from start_mm to end_mm inclusive, with at least `least` gaps between them.
 
     gap_mm(s (n,)) -> (n,): wanted gap in mm at s.

@@ -8,13 +8,13 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from flow.geometry.surface import WALL, beside, border
+from flow.geometry.surface import WALL, facets_at_edges, border_edges
 from flow.geometry.vectors import dot
 
-CLEAR = 0.5  # least distance of a remaining facet from the plane of a span's end, in mean edges of the facet
-NEAR = 2.5  # facets further than this many radii from the centre of a span's end do not belong to this end
+CLEARANCE_EDGES = 0.5  # least distance of a remaining facet from the plane of a span's end, in mean edges of the facet
+NEAR_RADII = 2.5  # facets further than this many radii from the centre of a span's end do not belong to this end
 LEAST_COSINE = 0.5  # a triangle folds if the cosine of the angle between its normal and the smooth surface's is less
-FOLDS = 1e4  # badness (see _badness) added to a triangle that folds; an equilateral triangle has a badness of 1
+FOLD_PENALTY = 1e4  # badness (see _badness) added to a triangle that folds; an equilateral triangle has a badness of 1
 
 
 class StitchError(Exception):
@@ -25,27 +25,27 @@ class StitchError(Exception):
         super().__init__(what)
 
 
-def cut(surface, side, spans):
-    """Which facets (m,) bool of the surface the spans replace. side: `surface.edges()[1]`; spans: [hybrid.Cut].
+def replaced_facets(surface, side, spans):
+    """Which facets (m,) bool of the surface the spans replace. side: `surface.edges()[1]`; spans: [hybrid.SpanCut].
 
     They are all facets that are connected with those of a span's wall points, up to the planes of its ends.
     """
-    taken = np.zeros(len(surface.triangles), bool)
-    pairs = beside(side)
+    replaced = np.zeros(len(surface.triangles), bool)
+    pairs = facets_at_edges(side)
     for span in spans:
-        barrier = np.zeros(len(taken), bool)
+        barrier = np.zeros(len(replaced), bool)
         for end in span.ends:
-            barrier |= end.beyond(surface)
+            barrier |= end.facets_beyond(surface)
         barrier |= (surface.region != WALL) & ~np.isin(surface.region, span.caps)
         open_pairs = pairs[~barrier[pairs].any(axis=1)]
-        graph = coo_matrix((np.ones(len(open_pairs)), open_pairs.T), (len(taken),) * 2)
+        graph = coo_matrix((np.ones(len(open_pairs)), open_pairs.T), (len(replaced),) * 2)
         _, label = connected_components(graph, directed=False)
-        seeds = span.owners[~barrier[span.owners]]
-        taken |= np.isin(label, np.unique(label[seeds])) & ~barrier
-    return taken
+        seeds = span.wall_facets[~barrier[span.wall_facets]]
+        replaced |= np.isin(label, np.unique(label[seeds])) & ~barrier
+    return replaced
 
 
-class End:
+class SpanEnd:
     """One end of a span, without a cap.
 
     key: (span number, 0 for its first or 1 for its last end); centre (3,) and radius in mm; outwards: unit vector (3,)
@@ -55,36 +55,37 @@ class End:
     def __init__(self, key, centre, outwards, radius, ring):
         self.key, self.centre, self.outwards, self.radius, self.ring = key, centre, outwards, radius, ring
 
-    def beyond(self, surface):
+    def facets_beyond(self, surface):
         """Which facets (m,) bool near this end lie outside the span, clear of the end's plane."""
         height = dot(surface.points - self.centre, self.outwards)
         corners = surface.points[surface.triangles]
         edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean(axis=1)
         distance = np.linalg.norm(corners.mean(axis=1) - self.centre, axis=1)
-        return (height[surface.triangles].min(axis=1) > CLEAR * edge) & (distance < NEAR * self.radius)
+        return (height[surface.triangles].min(axis=1) > CLEARANCE_EDGES * edge) & (distance < NEAR_RADII * self.radius)
 
 
-def trim_ears(surface, taken, wall):
-    """`taken` (m,) bool with more wall facets: those left with two or three sides on the border, until there is none.
+def trim_ears(surface, replaced, wall):
+    """`replaced` (m,) bool with more wall facets: those left with two or three sides on the border, until there is
+    none.
 
     wall (m,) bool: facets of the wall.
     """
     _, side = surface.edges()
-    taken = taken.copy()
+    replaced = replaced.copy()
     while True:
-        loose = np.bincount(side[~taken].ravel(), minlength=side.max() + 1) == 1
-        ears = ~taken & wall & (loose[side].sum(axis=1) >= 2)
+        loose = np.bincount(side[~replaced].ravel(), minlength=side.max() + 1) == 1
+        ears = ~replaced & wall & (loose[side].sum(axis=1) >= 2)
         if not ears.any():
-            return taken
-        taken |= ears
+            return replaced
+        replaced |= ears
 
 
-def loops(triangles):
+def border_loops(triangles):
     """Border loops of triangles (m, 3), each an array of vertices in the triangles' direction.
 
     None where a loop touches itself or another one.
     """
-    edges = border(triangles)
+    edges = border_edges(triangles)
     if len(np.unique(edges[:, 0])) != len(edges):
         return None
     following = dict(edges.tolist())
@@ -100,7 +101,7 @@ def loops(triangles):
     return found
 
 
-def zipper(points, normals, loop, ring):
+def strip_between(points, normals, loop, ring):
     """Triangles (l + r, 3) of the strip between two closed chains of vertices, loop (l,) and ring (r,).
 
     Both chains run the same way round. An edge a -> b of the loop gets a triangle (b, a, ring vertex). The strip starts
@@ -139,7 +140,7 @@ def _badness(points, normals, triangles):
     """(badness (...,), cosine with the surface's normal (...,)) of triangles (..., 3).
 
     normals (n, 3): of the smooth surface at the points (n, 3). The badness is 1 for an equilateral triangle and grows
-    as a triangle gets flatter. FOLDS is added where the cosine is below LEAST_COSINE.
+    as a triangle gets flatter. FOLD_PENALTY is added where the cosine is below LEAST_COSINE.
     """
     a, b, c = (points[triangles[..., k]] for k in range(3))
     area = np.cross(b - a, c - a)
@@ -147,16 +148,16 @@ def _badness(points, normals, triangles):
     sides = sum(((one - other) ** 2).sum(axis=-1) for one, other in ((a, b), (b, c), (c, a)))
     facing = normals[triangles].sum(axis=-2)
     cosine = (area * facing).sum(axis=-1) / np.maximum(twice * np.linalg.norm(facing, axis=-1), 1e-300)
-    return sides / np.maximum(2.0 * np.sqrt(3.0) * twice, 1e-300) + FOLDS * (cosine < LEAST_COSINE), cosine
+    return sides / np.maximum(2.0 * np.sqrt(3.0) * twice, 1e-300) + FOLD_PENALTY * (cosine < LEAST_COSINE), cosine
 
 
-def strips(points, normals, kept, ends):
+def build_strips(points, normals, kept, ends):
     """{end key: triangles (k, 3)} of the strips that join the remaining facets to the rings of the ends.
 
-    kept (m, 3): the remaining facets; ends: [End]. Raises StitchError.
+    kept (m, 3): the remaining facets; ends: [SpanEnd]. Raises StitchError.
     """
     keys = [end.key for end in ends]
-    borders = loops(kept)
+    borders = border_loops(kept)
     if borders is None:
         raise StitchError("a loop touches itself", keys)
     centres = np.array([points[loop].mean(axis=0) for loop in borders])
@@ -168,8 +169,12 @@ def strips(points, normals, kept, ends):
     for end, place in zip(ends, nearest):
         loop = borders[place]
         # zipper needs both to run the same way round about the axis
-        ring = end.ring if _turns(points[loop], end) == _turns(points[end.ring], end) else end.ring[::-1]
-        strip = zipper(points, normals, loop, ring)
+        ring = (
+            end.ring
+            if _runs_counterclockwise(points[loop], end) == _runs_counterclockwise(points[end.ring], end)
+            else end.ring[::-1]
+        )
+        strip = strip_between(points, normals, loop, ring)
         least = _badness(points, normals, strip)[1].min()
         if least < LEAST_COSINE:
             raise StitchError(f"a strip folds (cosine {least:.2f})", [end.key])
@@ -177,7 +182,7 @@ def strips(points, normals, kept, ends):
     return result
 
 
-def _turns(chain, end):
+def _runs_counterclockwise(chain, end):
     """Whether a closed chain of points runs counter-clockwise about the end's outward axis."""
     flat = chain - end.centre
     return float(dot(np.cross(flat, np.roll(flat, -1, axis=0)).sum(axis=0), end.outwards)) > 0

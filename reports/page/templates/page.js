@@ -24,17 +24,17 @@
   const viewers = Array.from(document.querySelectorAll(".viewer"));
 
   /* Height of the window that a viewer fills. */
-  function shown(viewer) {
+  function visibleHeight(viewer) {
     const box = viewer.getBoundingClientRect();
     return Math.min(box.bottom, window.innerHeight) - Math.max(box.top, 0);
   }
 
-  function giveStage() {
+  function moveStage() {
     if (!viewers.length) return;
-    const best = viewers.reduce((a, b) => (shown(b) > shown(a) ? b : a));
-    if (shown(best) > 0) stage.show(best);
+    const best = viewers.reduce((a, b) => (visibleHeight(b) > visibleHeight(a) ? b : a));
+    if (visibleHeight(best) > 0) stage.show(best);
   }
-  window.addEventListener("scroll", giveStage, { passive: true });
-  window.addEventListener("resize", giveStage);
-  giveStage();
+  window.addEventListener("scroll", moveStage, { passive: true });
+  window.addEventListener("resize", moveStage);
+  moveStage();
 })();

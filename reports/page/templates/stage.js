@@ -17,9 +17,9 @@
       this.canvas = this.renderer.domElement;
       this.innerMaterial = new THREE.MeshLambertMaterial({ color: INNER_COLOUR });
       this.raycaster = new THREE.Raycaster();
-      this.canvas.addEventListener("mousedown", () => this.focus(true));
-      this.canvas.addEventListener("mouseleave", () => { this.focus(false); this.say(""); });
-      this.canvas.addEventListener("mousemove", (event) => this.read(event));
+      this.canvas.addEventListener("mousedown", () => this.setFocus(true));
+      this.canvas.addEventListener("mouseleave", () => { this.setFocus(false); this.showReadout(""); });
+      this.canvas.addEventListener("mousemove", (event) => this.readValues(event));
       window.addEventListener("resize", () => { if (this.view) this.resize(); });
       const tick = () => { if (this.controls) this.controls.update(); requestAnimationFrame(tick); };
       tick();
@@ -29,24 +29,24 @@
     show(element) {
       if (this.view && this.view.element === element) return;
       if (this.view) this.view.stage.classList.remove("live");
-      if (!this.views.has(element)) this.views.set(element, this.open(element));
+      if (!this.views.has(element)) this.views.set(element, this.createView(element));
       this.view = this.views.get(element);
       this.view.stage.insertBefore(this.canvas, this.view.stage.firstChild);
       this.view.stage.classList.add("live");
-      this.follow();
+      this.attachControls();
       this.resize();
     }
 
-    open(element) {
+    createView(element) {
       const view = new window.vciViewer.CaseView(element, this.data.cases[element.dataset.case], this.data.colours);
-      view.changed = () => { this.show(element); view.apply(); this.draw(); };
+      view.onChange = () => { this.show(element); view.apply(); this.draw(); };
       view.roles.reset.addEventListener("click", () => { this.show(element); this.resetView(); });
       view.apply();
       return view;
     }
 
     /* Controls for the current case; they keep the camera where the user left it. */
-    follow() {
+    attachControls() {
       if (this.controls) this.controls.dispose();
       const view = this.view;
       this.controls = new THREE.TrackballControls(view.camera, this.canvas);
@@ -93,33 +93,33 @@
         view.light.position.copy(view.camera.position).addScaledVector(view.camera.up, 30);
         view.light.target.position.copy(this.controls.target);
         state.scene.add(view.light, view.light.target);
-        const inner = this.inner(view, pane.state);
+        const inner = this.innerMesh(view, pane.state);
         if (inner) state.scene.add(inner);
         renderer.render(state.scene, view.camera);
         if (inner) state.scene.remove(inner);
         view.titles[k].style.left = `calc(${100 * pane.from}% + .6rem)`;
-        view.titles[k].textContent = view.titleOf(pane.state) + (inner ? `, around: ${view.titleOf(view.inside())} (red)` : "");
+        view.titles[k].textContent = view.titleOf(pane.state) + (inner ? `, around: ${view.titleOf(view.innerState())} (red)` : "");
       });
     }
 
     /* The other lumen as a solid body, where one is shown inside the other. */
-    inner(view, shown) {
-      const name = view.inside();
+    innerMesh(view, shown) {
+      const name = view.innerState();
       return name && name !== shown ? new THREE.Mesh(view.states[name].shape, this.innerMaterial) : null;
     }
 
     /* Scrolling zooms only after a click, so that the page can be scrolled past the picture. */
-    focus(on) {
+    setFocus(on) {
       if (!this.view) return;
       this.controls.noZoom = !on;
       this.view.stage.classList.toggle("focus", on);
     }
 
-    say(text) {
+    showReadout(text) {
       if (this.view) this.view.readout.textContent = text;
     }
 
-    read(event) {
+    readValues(event) {
       if (!this.view || event.buttons) return;
       const box = this.canvas.getBoundingClientRect();
       const x = (event.clientX - box.left) / box.width, y = (event.clientY - box.top) / box.height;
@@ -131,9 +131,9 @@
       this.view.camera.updateProjectionMatrix();
       this.raycaster.setFromCamera({ x: (2 * (x - pane.from)) / across - 1, y: 1 - 2 * y }, this.view.camera);
       const hit = this.raycaster.intersectObject(state.front)[0];
-      if (!hit) { this.say(""); return; }
+      if (!hit) { this.showReadout(""); return; }
       const at = hit.face.a, values = state.values;
-      this.say(`${values.ffr ? `FFR ${values.ffr[at].toFixed(3)} · ` : ""}CSA ${values.area[at].toFixed(2)} mm² · diameter ${values.diameter[at].toFixed(2)} mm`);
+      this.showReadout(`${values.ffr ? `FFR ${values.ffr[at].toFixed(3)} · ` : ""}CSA ${values.area[at].toFixed(2)} mm² · diameter ${values.diameter[at].toFixed(2)} mm`);
     }
   }
 

@@ -2,10 +2,10 @@
 (function () {
   "use strict";
 
-  const STEPS = 65535;
+  const QUANTISATION_STEPS = 65535;
   const DEVICE_COLOUR = 0x2b2b33;
   const PLAIN_COLOUR = 0xb5473c;
-  const SEE_THROUGH = 0.4;  // the outer wall, when a lumen is shown inside it
+  const OVERLAY_OPACITY = 0.4;  // the outer wall, when a lumen is shown inside it
 
   /* The columns of integers that geometry.py packs: unsigned, `size` bytes each. */
   function unpack(text, columns, size) {
@@ -22,14 +22,14 @@
   }
 
   /* Sums of differences, modulo the range of the array. */
-  function summed(array) {
+  function cumulativeSums(array) {
     for (let k = 1; k < array.length; k++) array[k] += array[k - 1];
     return array;
   }
 
   /* Quantised integers as numbers between low and high. */
-  function scaled(array, low, high) {
-    return Float32Array.from(array, (v) => low + (v / STEPS) * (high - low));
+  function dequantised(array, low, high) {
+    return Float32Array.from(array, (v) => low + (v / QUANTISATION_STEPS) * (high - low));
   }
 
   function interleaved(columns, kind) {
@@ -38,10 +38,11 @@
     return out;
   }
 
-  function geometry(packed, bounds) {
-    const points = unpack(packed.points, 3, 2).map((column, c) => scaled(summed(column), bounds[0][c], bounds[1][c]));
+  function unpackGeometry(packed, bounds) {
+    const points = unpack(packed.points, 3, 2).map(
+      (column, c) => dequantised(cumulativeSums(column), bounds[0][c], bounds[1][c]));
     const [first, second, third] = unpack(packed.triangles, 3, packed.wide ? 4 : 2);
-    summed(first);
+    cumulativeSums(first);
     for (let k = 0; k < first.length; k++) {
       second[k] += first[k];
       third[k] += first[k];
@@ -54,7 +55,7 @@
   }
 
   /* The colours of values over [low, high], from the table the figures use too. */
-  function ramp(values, low, high, table) {
+  function rampColours(values, low, high, table) {
     const out = new Float32Array(values.length * 3);
     values.forEach((value, k) => {
       const at = Math.max(0, Math.min(1, (value - low) / (high - low || 1))) * (table.length - 1);
@@ -83,7 +84,7 @@
       this.titles = [0, 1].map(() => this.addLabel("title"));
       this.readout = this.addLabel("readout");
       element.querySelectorAll(".tools, .hint").forEach((item) => { item.hidden = false; });
-      element.querySelectorAll("select, input").forEach((item) => item.addEventListener("input", () => this.changed()));
+      element.querySelectorAll("select, input").forEach((item) => item.addEventListener("input", () => this.onChange()));
     }
 
     addLabel(name) {
@@ -96,27 +97,27 @@
     makeState(name, packed) {
       const { ranges, bounds } = this.data;
       const values = {};
-      for (const key of Object.keys(ranges).filter((name) => packed[name])) values[key] = scaled(unpack(packed[key], 1, 2)[0], ...ranges[key]);
-      const shape = geometry(packed, bounds);
+      for (const key of Object.keys(ranges).filter((name) => packed[name])) values[key] = dequantised(unpack(packed[key], 1, 2)[0], ...ranges[key]);
+      const shape = unpackGeometry(packed, bounds);
       shape.setAttribute("color", new THREE.BufferAttribute(new Float32Array(values.area.length * 3), 3));
-      const far = new THREE.MeshLambertMaterial({ vertexColors: true, side: THREE.BackSide });
-      const near = new THREE.MeshPhongMaterial({
+      const backMaterial = new THREE.MeshLambertMaterial({ vertexColors: true, side: THREE.BackSide });
+      const frontMaterial = new THREE.MeshPhongMaterial({
         vertexColors: true, transparent: true, depthWrite: false, shininess: 25, specular: 0x333333,
       });
       const wall = new THREE.Group();
-      const front = new THREE.Mesh(shape, near);
+      const front = new THREE.Mesh(shape, frontMaterial);
       front.renderOrder = 2;  // after the stent behind it
-      wall.add(new THREE.Mesh(shape, far), front);
+      wall.add(new THREE.Mesh(shape, backMaterial), front);
       const scene = new THREE.Scene();
       scene.add(wall, new THREE.HemisphereLight(0xffffff, 0xb8b8c4, 0.5 * Math.PI));
       const devices = new THREE.Group();
       if (name === "vci") {
         for (const device of this.data.devices) {
-          devices.add(new THREE.Mesh(geometry(device, bounds), new THREE.MeshPhongMaterial({ color: DEVICE_COLOUR })));
+          devices.add(new THREE.Mesh(unpackGeometry(device, bounds), new THREE.MeshPhongMaterial({ color: DEVICE_COLOUR })));
         }
       }
       scene.add(devices);
-      return { scene, wall, front, far, near, devices, values, shape };
+      return { scene, wall, front, backMaterial, frontMaterial, devices, values, shape };
     }
 
     /* Looks along the axis of least extent, with the whole vessel in the picture. */
@@ -139,7 +140,7 @@
       controls.target.copy(middle);
     }
 
-    /* Applies what the user chose; `changed` is replaced by the stage to draw again. */
+    /* Applies what the user chose; `onChange` is set by the stage to draw again. */
     apply() {
       const { roles, data } = this;
       const colour = roles.colour.value;
@@ -147,22 +148,22 @@
       for (const state of Object.values(this.states)) {
         const plain = colour === "plain" || !state.values[colour];  // a lumen without a flow has no FFR
         if (!plain) {
-          state.shape.getAttribute("color").array.set(ramp(state.values[colour], low, high, this.table));
+          state.shape.getAttribute("color").array.set(rampColours(state.values[colour], low, high, this.table));
           state.shape.getAttribute("color").needsUpdate = true;
         }
-        [state.far, state.near].forEach((material) => {
+        [state.backMaterial, state.frontMaterial].forEach((material) => {
           material.vertexColors = !plain;
           material.color.set(plain ? PLAIN_COLOUR : 0xffffff);
           material.needsUpdate = true;
         });
-        state.near.opacity = Math.min(Number(roles.opacity.value), this.inside() ? SEE_THROUGH : 1);
+        state.frontMaterial.opacity = Math.min(Number(roles.opacity.value), this.innerState() ? OVERLAY_OPACITY : 1);
         state.devices.visible = !roles.devices || roles.devices.checked;
       }
       roles.second.hidden = roles.mode.value === "single";
-      this.legend(colour, low, high);
+      this.drawLegend(colour, low, high);
     }
 
-    legend(colour, low, high) {
+    drawLegend(colour, low, high) {
       if (colour === "plain") { this.roles.legend.textContent = ""; return; }
       const stops = this.table.map((c) => `rgb(${c.map((v) => Math.round(255 * v)).join(",")})`).join(",");
       const digits = colour === "ffr" ? 2 : 1;
@@ -181,7 +182,7 @@
     }
 
     /* The state drawn inside the other, null in the other modes. */
-    inside() {
+    innerState() {
       return this.roles.mode.value === "overlay" ? this.roles.left.value : null;
     }
 
@@ -190,5 +191,5 @@
     }
   }
 
-  window.vciViewer = { CaseView, geometry };
+  window.vciViewer = { CaseView, unpackGeometry };
 })();

@@ -5,7 +5,7 @@ import json
 
 import pytest
 from contour_tables import text
-from narrowed_vessels import drawn
+from narrowed_vessels import measured_vessel
 
 from common.documents import config
 
@@ -17,13 +17,13 @@ def families(repo_root):
 
 @pytest.fixture
 def summary():
-    return drawn()[0]
+    return measured_vessel()[0]
 
 
 @pytest.fixture
 def vessel():
-    """narrowed_vessels.drawn."""
-    return drawn
+    """narrowed_vessels.measured_vessel."""
+    return measured_vessel
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from anatomy.ct.rays.stented import disc
+from anatomy.ct.rays.stented import blurred_disc
 from common.documents import config
 from common.volume import Image
 
@@ -18,9 +18,9 @@ def image(blood=400.0, falls=0.0, wall=50.0, fat=-80.0, noise=20.0, voxel=0.4, n
     x = np.arange(32) * voxel - side
     z = np.arange(-4, LENGTH_MM + 4, voxel)
     r = np.hypot(*np.meshgrid(x, x, indexing="ij"))
-    lumen, outer = (disc(r, radius, SIGMA_MM)[..., None] for radius in (RADIUS_MM, RADIUS_MM + 0.7))
+    lumen, outer = (blurred_disc(r, radius, SIGMA_MM)[..., None] for radius in (RADIUS_MM, RADIUS_MM + 0.7))
     if narrow_mm is not None:
-        lumen = np.where((z > 6) & (z < 34), disc(r, narrow_mm, SIGMA_MM)[..., None], lumen)
+        lumen = np.where((z > 6) & (z < 34), blurred_disc(r, narrow_mm, SIGMA_MM)[..., None], lumen)
     level = blood - falls * np.clip(z, 0, LENGTH_MM) / LENGTH_MM
     values = fat + (wall - fat) * outer + (level - wall) * lumen
     values = values + rng.normal(0, noise, values.shape)

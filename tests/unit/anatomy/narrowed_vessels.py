@@ -22,7 +22,7 @@ def worst_of(*shapes):
     return lambda s: np.max([shape(s) for shape in shapes], axis=0)
 
 
-def drawn(*narrowings, length=50.0, healthy=lambda s: 3.3 - 0.02 * s, lumen=None, sides=()):
+def measured_vessel(*narrowings, length=50.0, healthy=lambda s: 3.3 - 0.02 * s, lumen=None, sides=()):
     """(summary, sections) of a main branch as `lumen process` measures it, mm.
 
     narrowings: functions of s (share of the diameter); a focal one of 64 % at 21 mm without any. Each becomes a lesion.

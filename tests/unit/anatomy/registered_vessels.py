@@ -3,14 +3,14 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from anatomy.register import judge, search, settling
-from anatomy.register.match import matched
+from anatomy.register import placement_checks, search, axes_refinement
+from anatomy.register.match import match_branches
 from anatomy.register.placement import Target
 from anatomy.register.tree import STEP_MM, Line, Tree
 
-NONE = (np.zeros((0, 3)), np.zeros((0, 3)))
-TURN = Rotation.from_rotvec(np.radians(40) * np.array([1, 2, -1.5]) / np.linalg.norm([1, 2, -1.5]))
-SHIFT = 60 * np.array([0.6, -0.64, 0.48])
+NO_LANDMARKS = (np.zeros((0, 3)), np.zeros((0, 3)))
+ROTATION = Rotation.from_rotvec(np.radians(40) * np.array([1, 2, -1.5]) / np.linalg.norm([1, 2, -1.5]))
+TRANSLATION = 60 * np.array([0.6, -0.64, 0.48])
 
 
 def curve(length_mm, seed, start=(0.0, 0.0, 0.0), heading=None, bend=0.06):
@@ -66,7 +66,7 @@ def moved(tree, keep=None, names=None, noise=0.05, change=None):
         if rows is not None:
             points = line.points if change is None else change(line.points)
             points = points[rows] + noise * random.standard_normal(points[rows].shape)
-            branches[(names or {}).get(name, name)] = TURN.apply(points) + SHIFT
+            branches[(names or {}).get(name, name)] = ROTATION.apply(points) + TRANSLATION
     first = (keep or {}).get("main", slice(None)).start or 0
     for name, at in (("side1", 40), ("side2", 80)):
         if (names or {}).get(name, name) in branches:
@@ -74,16 +74,16 @@ def moved(tree, keep=None, names=None, noise=0.05, change=None):
     return tree_of(branches, parents)
 
 
-def registered(pre, post, landmarks=NONE):
+def registered(pre, post, landmarks=NO_LANDMARKS):
     """(Found, Match, Target), refused as the command does."""
-    judge.check_landmarks("case", pre, post, landmarks)
+    placement_checks.check_landmarks("case", pre, post, landmarks)
     target = Target(pre)
-    found = settling.settled(target, post, search.best(pre, post, landmarks), landmarks)
-    match = matched(target, post, found.placement)
-    judge.check_handedness("case: post", pre, post, target, found, match, landmarks)
-    judge.check_direction("case: post", pre, post, target, found, landmarks)
-    judge.check_fit("case: post", target, post, found, match, landmarks)
-    judge.check_place("case: post", target, post, found, match, landmarks)
+    found = axes_refinement.refine_by_axes(target, post, search.find_placement(pre, post, landmarks), landmarks)
+    match = match_branches(target, post, found.placement)
+    placement_checks.check_handedness("case: post", pre, post, target, found, match, landmarks)
+    placement_checks.check_direction("case: post", pre, post, target, found, landmarks)
+    placement_checks.check_fit("case: post", target, post, found, match, landmarks)
+    placement_checks.check_place_along("case: post", target, post, found, match, landmarks)
     return found, match, target
 
 
@@ -101,5 +101,5 @@ def bent(first, last, radius=1.5, bow_mm=0.0):
     return tree_of({"main": np.column_stack([*sway, z])}, {}, radius)
 
 
-def alone(points):
+def unbranched_tree(points):
     return tree_of({"main": points}, {})

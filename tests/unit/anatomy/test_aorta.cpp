@@ -1,5 +1,5 @@
 #include "common/error.hpp"
-#include "trees/choose.hpp"
+#include "trees/choose_tree.hpp"
 #include "tube_mesh.hpp"
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <CGAL/boost/graph/helpers.h>
@@ -81,24 +81,24 @@ TEST(Aorta, LeftAndRightAreNotGuessed) {
   const auto opposite = find_aorta(aorta_with(12, {-85, 92}));
   ASSERT_TRUE(opposite && opposite->trees.size() == 2);
   EXPECT_EQ(opposite->trees[0].name, "tree1");
-  EXPECT_NE(opposite->unnamed_since, "");
+  EXPECT_NE(opposite->unnamed_reason, "");
   std::vector<Repair> repairs;
-  EXPECT_THROW(chosen(*opposite, {}), common::InputError);
-  EXPECT_THROW(chosen(*opposite, {"left", {}, {}}), common::InputError);
+  EXPECT_THROW(choose_tree(*opposite, {}), common::InputError);
+  EXPECT_THROW(choose_tree(*opposite, {"left", {}, {}}), common::InputError);
   const CoronaryTree& second = opposite->trees[1];
-  EXPECT_EQ(&chosen(*opposite, {"", second.ostium.centre, {}}), &second);
-  EXPECT_EQ(&chosen(*opposite, {"tree2", {}, {}}), &second);
-  const Vec3 outlet = second.offshoot.way.points.front();
-  EXPECT_EQ(&chosen(*opposite, {"", {}, {outlet}}), &second);
+  EXPECT_EQ(&choose_tree(*opposite, {"", second.ostium.centre, {}}), &second);
+  EXPECT_EQ(&choose_tree(*opposite, {"tree2", {}, {}}), &second);
+  const Vec3 outlet = second.offshoot.path.points.front();
+  EXPECT_EQ(&choose_tree(*opposite, {"", {}, {outlet}}), &second);
 }
 
 TEST(Aorta, TheTreeIsCutOffAtItsOstium) {
   Mesh mesh = aorta_with(12, {-85, 40});
   std::vector<Repair> repairs;
-  const auto aorta = aorta_of(mesh, {}, "mm", repairs);
+  const auto aorta = find_aorta_to_cut(mesh, {}, "mm", repairs);
   ASSERT_TRUE(aorta);
-  const CoronaryTree& right = chosen(*aorta, {"right", {}, {}});
-  cut_off(mesh, right, cut_of(mesh, right, {}), repairs);
+  const CoronaryTree& right = choose_tree(*aorta, {"right", {}, {}});
+  cut_off_tree(mesh, right, tree_cut_plane(mesh, right, {}), repairs);
   EXPECT_FALSE(CGAL::is_closed(mesh));
   double nearest = 1e300, farthest = 0;
   for (Vertex v : mesh.vertices()) {
@@ -124,12 +124,12 @@ TEST(Aorta, CentimetresTakenForMillimetresAreRefused) {
   const Mesh mesh = aorta_with(12, {-85, 40}, 0.1);
   std::vector<Repair> repairs;
   try {
-    aorta_of(mesh, {}, "mm", repairs);
+    find_aorta_to_cut(mesh, {}, "mm", repairs);
     FAIL() << "accepted";
   } catch (const common::InputError& error) {
     EXPECT_NE(std::string(error.what()).find("declare units cm"), std::string::npos) << error.what();
   }
-  EXPECT_FALSE(aorta_of(mesh, {"whole", {}, {}}, "mm", repairs)); // the user's word
+  EXPECT_FALSE(find_aorta_to_cut(mesh, {"whole", {}, {}}, "mm", repairs)); // the user's word
 }
 
 } // namespace

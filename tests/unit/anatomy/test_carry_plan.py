@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from anatomy.planning.carry import carried
+from anatomy.planning.carry_plan import transferred_s_mm
 from common.errors import InputError
 
 
@@ -29,34 +29,34 @@ BEFORE = {"main": axis(np.arange(0.0, 40.1, 0.5))}
 
 def test_a_reading_that_begins_later_has_smaller_arc_lengths():
     after = {"main": started(BEFORE["main"], 3.5)}
-    assert carried("main", 20.2, BEFORE, after, "x") == pytest.approx(16.7, abs=1e-3)
+    assert transferred_s_mm("main", 20.2, BEFORE, after, "x") == pytest.approx(16.7, abs=1e-3)
 
 
 def test_the_nearest_place_of_an_axis_beside_it():
     after = {"main": axis(np.arange(0.0, 40.1, 0.37), aside=0.4)}
-    assert carried("main", 20.2, BEFORE, after, "x") == pytest.approx(20.2, abs=0.01)
+    assert transferred_s_mm("main", 20.2, BEFORE, after, "x") == pytest.approx(20.2, abs=0.01)
 
 
 def test_what_reaches_beyond_the_sections_stays():
     """Sections begin past the mouth; a device on a side branch may begin in the parent."""
     after = {"main": started(BEFORE["main"], 3.0)}
     before = {"main": started(BEFORE["main"], 5.0)}
-    assert carried("main", -2.0, before, after, "x") == pytest.approx(0.0, abs=1e-3)
+    assert transferred_s_mm("main", -2.0, before, after, "x") == pytest.approx(0.0, abs=1e-3)
 
 
 @pytest.mark.parametrize("aside, within", [(1.45, True), (1.55, False)])
 def test_an_axis_further_off_than_the_radius_is_refused(aside, within):
     after = {"main": axis(np.arange(0.0, 40.1, 0.5), aside=aside)}
     if within:
-        assert carried("main", 20.0, BEFORE, after, "x") == pytest.approx(20.0, abs=1e-3)
+        assert transferred_s_mm("main", 20.0, BEFORE, after, "x") == pytest.approx(20.0, abs=1e-3)
         return
     with pytest.raises(InputError, match="(?s)lies off the other axis.*1.55 mm at 20.0 mm of main"):
-        carried("main", 20.0, BEFORE, after, "x")
+        transferred_s_mm("main", 20.0, BEFORE, after, "x")
 
 
 def test_a_branch_that_was_not_found_is_named():
     with pytest.raises(InputError, match="(?s)a treated branch is missing.*side1.*branches found: main"):
-        carried("side1", 5.0, BEFORE, BEFORE, "x")
+        transferred_s_mm("side1", 5.0, BEFORE, BEFORE, "x")
 
 
 def test_the_command_moves_places_and_keeps_the_rest(run_module, tmp_path):

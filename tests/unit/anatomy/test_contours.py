@@ -174,7 +174,7 @@ def test_a_straight_lumen_lies_in_the_tables_own_z(table, tmp_path, z_from, inle
     document = run.run({"lumen": table(frames)}, tmp_path / "out", reading={"z_from": z_from})
     assert [row["z_mm"] for row in document["frames"]] == sorted((0, 1, 2, 3, 4), reverse=z_from == "proximal")
     surface = vtp.read_triangles(tmp_path / "out" / "lumen.vtp", "")
-    points, triangles = vtp.arrays(surface)
+    points, triangles = vtp.points_and_triangles(surface)
     assert loft.volume_mm3(points, triangles) > 0
     region = np.array(surface.GetCellData().GetArray("region_id"))
     assert points[triangles[region == loft.INLET]][..., 2] == pytest.approx(inlet_z)
@@ -191,8 +191,8 @@ def test_a_gap_between_frames_is_said(table):
 
 
 def test_points_of_rings_correspond_wherever_the_outlines_begin():
-    one = rings.ring(circle(1.5, start=0.3), 90)
-    other = rings.ring(circle(1.5, start=4.1), 90)
+    one = rings.ring_from_outline(circle(1.5, start=0.3), 90)
+    other = rings.ring_from_outline(circle(1.5, start=4.1), 90)
     assert np.abs(one - other).max() < 0.001
     angle = np.arctan2(*(one[0] - (4.0, 5.0))[::-1])
     assert abs(angle) < 0.001
@@ -204,7 +204,7 @@ def test_between_frames_nothing_is_narrower_than_both(table, tmp_path):
     slit = np.column_stack([1.8 * np.cos(angle), 0.5 * np.sin(angle)])
     frames = {1: (0.0, slit), 2: (1.0, slit), 3: (2.0, slit[:, ::-1] * [1, -1]), 4: (3.0, slit[:, ::-1] * [1, -1])}
     pull = pullback.read({"lumen": table(frames)})
-    lofted = run.loft_of(pull, run.placing.straight(pull))
+    lofted = run.loft_pullback(pull, run.frame_placement.straight_placement(pull))
     around = lofted["frame_rings"].shape[1]
     areas = [
         outlines.area_mm2(ring) for ring in lofted["points"][: len(lofted["z_mm"]) * around, :2].reshape(-1, around, 2)
@@ -322,7 +322,7 @@ def test_calcium_without_an_outer_wall_is_refused(table, tmp_path):
 
 def test_thinned_tables_keep_their_areas(table, tmp_path):
     source = table({1: (0.0, circle(1.5, 500)), 2: (0.5, circle(1.0, 500)), 3: (1.0, circle(1.2, 500))})
-    tables.thin(source, tmp_path / "thin.csv", 125)
+    tables.write_thinned(source, tmp_path / "thin.csv", 125)
     found = tables.read_outlines(tmp_path / "thin.csv", "mm", "lumen")
     assert [len(outline) for _, outline in found.values()] == [125] * 3
     assert outlines.area_mm2(found[1][1]) == pytest.approx(np.pi * 1.5**2, rel=0.0005)
@@ -331,7 +331,7 @@ def test_thinned_tables_keep_their_areas(table, tmp_path):
 @pytest.mark.parametrize("how", [{"numbered": True}, {"closed": True}])
 def test_thinned_tables_keep_several_outlines(tmp_path, how):
     (tmp_path / "calcium.csv").write_text(raw(SHEETS, **how))
-    tables.thin(tmp_path / "calcium.csv", tmp_path / "thin.csv", 40)
+    tables.write_thinned(tmp_path / "calcium.csv", tmp_path / "thin.csv", 40)
     (several,) = (found[1] for found in tables.read_regions(tmp_path / "thin.csv", "mm", "calcium").values())
     assert [len(outline) for outline in several] == [40, 40]
     for outline, sheet in zip(several, SHEETS):

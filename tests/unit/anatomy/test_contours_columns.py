@@ -43,7 +43,7 @@ def test_columns_are_read_by_their_names(tmp_path, head, order):
 def test_names_that_are_not_known_are_told(tmp_path, head, said):
     """The columns are then read in the usual order, which may not be that of the table."""
     found(tmp_path, head, (0, 1, 2, 3))
-    assert bool(tables.unknown_names(tmp_path / "lumen.csv")) == said
+    assert bool(tables.unknown_names_warning(tmp_path / "lumen.csv")) == said
 
 
 def test_a_fifth_column_may_stand_anywhere(tmp_path):
@@ -79,7 +79,7 @@ def test_named_columns_are_read_from_among_others(tmp_path, head, cells, number)
     (tmp_path / "lumen.csv").write_text("\n".join([head, *(cells.format(*row) for row in ROWS)]) + "\n")
     rows = tables.read_rows(tmp_path / "lumen.csv", "mm")
     assert rows[:, :4] == pytest.approx(np.array(ROWS, float)) and (rows[:, 4] == number).all()
-    assert tables.unknown_names(tmp_path / "lumen.csv") is None
+    assert tables.unknown_names_warning(tmp_path / "lumen.csv") is None
 
 
 def test_what_is_read_of_several_columns_must_be_numbers_in_all_lines(tmp_path):

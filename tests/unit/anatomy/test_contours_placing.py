@@ -8,7 +8,7 @@ import vtk
 from contour_tables import tube
 from scipy.spatial import cKDTree
 
-from anatomy.contours import line, loft, placing, pullback, run
+from anatomy.contours import frame_placement, line, loft, pullback, run
 from anatomy.contours.reading import outlines
 from common import vtp
 from common.errors import InputError
@@ -132,8 +132,8 @@ def true_wall():
 @pytest.mark.parametrize("keep", [slice(None), slice(1, 2)])
 def test_a_curved_vessel_comes_back(pull_back, turn, keep):
     pull, places = pull_back(turn, keep=keep)
-    place = placing.on_line(pull, line.Line(centred_line()), places)
-    lofted = run.loft_of(pull, place)
+    place = frame_placement.centreline_placement(pull, line.Line(centred_line()), places)
+    lofted = run.loft_pullback(pull, place)
     rim = len(lofted["z_mm"]) * lofted["frame_rings"].shape[1]
     off = misfit(lofted["points"][:rim])
     assert np.sqrt(np.mean(off**2)) < 0.03 and off.max() < 0.06
@@ -145,7 +145,7 @@ def test_landmarks_tell_the_rotation(pull_back):
     axis_line = line.Line(centred_line())
     for turn in (0.0, 1.1):
         pull, places = pull_back(turn)
-        report = placing.on_line(pull, axis_line, places).report
+        report = frame_placement.centreline_placement(pull, axis_line, places).report
         assert report["landmarks_differ_mm"] < 0.3 and report["landmarks_differ_deg"] < 5
         turns.append(report["rotation_deg"])
     assert (turns[1] - turns[0] - np.degrees(1.1) + 180) % 360 - 180 == pytest.approx(0, abs=0.5)
@@ -153,8 +153,8 @@ def test_landmarks_tell_the_rotation(pull_back):
 
 def test_without_its_rotation_the_vessel_does_not_come_back(pull_back):
     pull, places = pull_back(1.1)
-    place = placing.on_line(pull, line.Line(centred_line()), proximal_s_mm=5.0, rotation_deg=90)
-    lofted = run.loft_of(pull, place)
+    place = frame_placement.centreline_placement(pull, line.Line(centred_line()), proximal_s_mm=5.0, rotation_deg=90)
+    lofted = run.loft_pullback(pull, place)
     rim = len(lofted["z_mm"]) * lofted["frame_rings"].shape[1]
     assert misfit(lofted["points"][:rim]).max() > 0.3
 
@@ -162,9 +162,9 @@ def test_without_its_rotation_the_vessel_does_not_come_back(pull_back):
 def test_mirrored_images_are_found_out_and_put_right(pull_back):
     pull, places = pull_back(0.4, sign=-1.0)
     with pytest.raises(InputError, match="landmarks contradict"):
-        placing.on_line(pull, line.Line(centred_line()), places)
-    place = placing.on_line(pull, line.Line(centred_line()), places, mirrored=True)
-    lofted = run.loft_of(pull, place)
+        frame_placement.centreline_placement(pull, line.Line(centred_line()), places)
+    place = frame_placement.centreline_placement(pull, line.Line(centred_line()), places, mirrored=True)
+    lofted = run.loft_pullback(pull, place)
     rim = len(lofted["z_mm"]) * lofted["frame_rings"].shape[1]
     assert misfit(lofted["points"][:rim]).max() < 0.06
     assert loft.volume_mm3(lofted["points"], lofted["triangles"]) > 0
@@ -175,8 +175,8 @@ def test_mirrored_images_are_found_out_and_put_right(pull_back):
 def test_z_from_the_proximal_end_is_no_mirror_image(pull_back, sign, mirrored, keep):
     """Turning z round makes right-handed tables left-handed; turning y round too makes them right-handed again."""
     pull, places = pull_back(1.1, sign, keep, z_from="proximal")
-    place = placing.on_line(pull, line.Line(centred_line()), places, mirrored=mirrored)
-    lofted = run.loft_of(pull, place)
+    place = frame_placement.centreline_placement(pull, line.Line(centred_line()), places, mirrored=mirrored)
+    lofted = run.loft_pullback(pull, place)
     rim = len(lofted["z_mm"]) * lofted["frame_rings"].shape[1]
     assert misfit(lofted["points"][:rim]).max() < 0.06
     assert loft.volume_mm3(lofted["points"], lofted["triangles"]) > 0
@@ -186,21 +186,25 @@ def test_landmarks_that_do_not_fit_are_refused(pull_back):
     pull, places = pull_back(0.4)
     axis_line = line.Line(centred_line())
     with pytest.raises(InputError, match="landmarks contradict"):
-        placing.on_line(pull, axis_line, places[[1, 0, 2]])
+        frame_placement.centreline_placement(pull, axis_line, places[[1, 0, 2]])
     with pytest.raises(InputError, match="without a partner"):
-        placing.on_line(pull, axis_line, places[:2])
+        frame_placement.centreline_placement(pull, axis_line, places[:2])
     with pytest.raises(InputError, match="tells no rotation"):
-        placing.on_line(pull, axis_line, np.vstack([axis_line.place(np.array([30.2]))[0], places[1:]]))
-    placing.on_line(pull, axis_line, places + [0, 0, 1.0])  # a millimetre off is how well such points are picked
+        frame_placement.centreline_placement(
+            pull, axis_line, np.vstack([axis_line.frame_at(np.array([30.2]))[0], places[1:]])
+        )
+    frame_placement.centreline_placement(
+        pull, axis_line, places + [0, 0, 1.0]
+    )  # a millimetre off is how well such points are picked
 
 
 def moved(places, axis_line, along_mm, about_deg):
     """Places (3, 3) of three landmarks, the second moved along the line and about it."""
     s = np.array([axis_line.nearest(place) for place in places])
-    middle, tangent, one, two = axis_line.place(s)
+    middle, tangent, one, two = axis_line.frame_at(s)
     away, turn = (places - middle)[1], np.radians(about_deg)
     u, v = away @ one[1], away @ two[1]
-    place, _, first, second = (x[0] for x in axis_line.place(s[1:2] + along_mm))
+    place, _, first, second = (x[0] for x in axis_line.frame_at(s[1:2] + along_mm))
     points = places.copy()
     points[1] = place + (u * np.cos(turn) - v * np.sin(turn)) * first + (u * np.sin(turn) + v * np.cos(turn)) * second
     return points
@@ -211,11 +215,11 @@ def test_landmarks_that_were_picked_roughly_are_taken(pull_back):
     pull, places = pull_back(0.4)
     axis_line = line.Line(centred_line())
     for off in ((4.2, 0), (0, 60)):
-        report = placing.on_line(pull, axis_line, moved(places, axis_line, *off)).report
+        report = frame_placement.centreline_placement(pull, axis_line, moved(places, axis_line, *off)).report
         assert report["landmarks_differ_mm"] > 2.5 or report["landmarks_differ_deg"] > 38
     for off, said in (((4.9, 0), "landmark 2 lies 3.[1-5] mm"), ((0, 72), "landmark 2 (49|5.) degrees")):
         with pytest.raises(InputError, match=f"(?s)landmarks contradict.*{said}.*which line"):
-            placing.on_line(pull, axis_line, moved(places, axis_line, *off))
+            frame_placement.centreline_placement(pull, axis_line, moved(places, axis_line, *off))
 
 
 @pytest.mark.parametrize("about_deg, told", [(0, False), (20, False), (26, True), (60, True)])
@@ -223,7 +227,11 @@ def test_landmarks_that_disagree_by_more_than_they_are_marked_to_are_told(pull_b
     """Off by two thirds of it from the mean of three. Two landmarks 150 degrees apart hide a mirror image so."""
     pull, places = pull_back(0.4)
     axis_line = line.Line(centred_line())
-    found = list(placing.warnings(placing.on_line(pull, axis_line, moved(places, axis_line, 0, about_deg))))
+    found = list(
+        frame_placement.warnings(
+            frame_placement.centreline_placement(pull, axis_line, moved(places, axis_line, 0, about_deg))
+        )
+    )
     assert len(found) == told and all("mirrored" in one and "place of each" in one for one in found)
 
 
@@ -235,9 +243,9 @@ def test_the_command_tells_that_landmarks_disagree(table, tmp_path):
     (tmp_path / "marks.csv").write_text("\n".join(f"0,{x},{y},{z}" for z, x, y in marks))
     points = [[1.5 * np.cos(a), 1.5 * np.sin(a), z] for z, a in zip((5, 15), angles)]
     files = {"lumen": table(frames), "landmarks": tmp_path / "marks.csv"}
-    laying = {"centreline": tmp_path / "line.vtp", "landmark_points_mm": points}
+    placement_settings = {"centreline": tmp_path / "line.vtp", "landmark_points_mm": points}
     for mirrored in (False, True):
-        document = run.run(files, tmp_path / "out", laying=laying | {"mirrored": mirrored})
+        document = run.run(files, tmp_path / "out", placement_settings=placement_settings | {"mirrored": mirrored})
         assert document["placing"]["landmarks_differ_deg"] == pytest.approx(0 if mirrored else 30, abs=1)
         assert any("check mirrored" in one for one in document["warnings"]) != mirrored
 
@@ -246,13 +254,13 @@ def test_the_command_tells_that_landmarks_disagree(table, tmp_path):
 def test_a_landmark_near_the_axis_tells_its_turn_from_two_tenths_on(pull_back, distance, taken):
     pull, places = pull_back(0.4, keep=slice(0, 1))
     axis_line = line.Line(centred_line())
-    middle = axis_line.place(np.array([axis_line.nearest(places[0])]))[0][0]
+    middle = axis_line.frame_at(np.array([axis_line.nearest(places[0])]))[0][0]
     near = middle + distance * (places[0] - middle) / np.linalg.norm(places[0] - middle)
     if taken:
-        placing.on_line(pull, axis_line, near[None])
+        frame_placement.centreline_placement(pull, axis_line, near[None])
     else:
         with pytest.raises(InputError, match="(?s)tells no rotation.*landmark_points_mm.*landmark 1, 0.1. mm"):
-            placing.on_line(pull, axis_line, near[None])
+            frame_placement.centreline_placement(pull, axis_line, near[None])
 
 
 @pytest.mark.parametrize("radii, near", [(2.9, True), (3.1, False)])
@@ -264,31 +272,33 @@ def test_a_landmark_lies_within_three_radii_of_its_vessel(pull_back, where, radi
     far = radii * np.median([np.sqrt(outlines.area_mm2(frame.lumen) / np.pi) for frame in pull.frames])
     if where == "landmarks":
         z, point = pull.landmarks[1]
-        middle = placing.rings.between(pull.z_mm, placing.centres(pull.frames, False))(np.array([z]))[0]
+        middle = frame_placement.rings.interpolator(pull.z_mm, frame_placement.centres(pull.frames, False))(
+            np.array([z])
+        )[0]
         pull.landmarks[1] = z, middle + far * (point - middle) / np.linalg.norm(point - middle)
     else:
-        middle = axis_line.place(np.array([axis_line.nearest(places[1])]))[0][0]
+        middle = axis_line.frame_at(np.array([axis_line.nearest(places[1])]))[0][0]
         places[1] = middle + far * (places[1] - middle) / np.linalg.norm(places[1] - middle)
     if near:
-        placing.on_line(pull, axis_line, places)
+        frame_placement.centreline_placement(pull, axis_line, places)
     else:
         with pytest.raises(InputError, match=f"(?s)far from its vessel.*where:  {where}\n.*landmark 2, .*3 radii"):
-            placing.on_line(pull, axis_line, places)
+            frame_placement.centreline_placement(pull, axis_line, places)
 
 
 def test_a_landmark_outside_the_frames_is_named_with_its_z(pull_back):
     pull, places = pull_back(0.4)
     pull.landmarks[1] = (31.0, pull.landmarks[1][1])
     with pytest.raises(InputError, match="(?s)landmark 2 at z 31.00 mm, frames 0.00 to 30.00 mm.*z_range_mm"):
-        placing.on_line(pull, line.Line(centred_line()), places)
+        frame_placement.centreline_placement(pull, line.Line(centred_line()), places)
 
 
 def test_a_pull_back_longer_than_its_line_is_refused(pull_back):
     pull, _ = pull_back(0.0)
     short = line.Line(centred_line()[:60])
     with pytest.raises(InputError, match="beyond its centreline"):
-        placing.on_line(pull, short)
-    placing.on_line(pull, line.Line(centred_line()[:64]))
+        frame_placement.centreline_placement(pull, short)
+    frame_placement.centreline_placement(pull, line.Line(centred_line()[:64]))
 
 
 def test_a_line_that_bends_within_the_lumen_is_refused(pull_back):
@@ -299,9 +309,9 @@ def test_a_line_that_bends_within_the_lumen_is_refused(pull_back):
     monkey.s_mm = np.linspace(0, 48, 400)
     monkey._points = loop
     monkey._tangents = np.gradient(loop, axis=0) / np.linalg.norm(np.gradient(loop, axis=0), axis=1)[:, None]
-    monkey._first = line._transported(loop, monkey._tangents)
+    monkey._first = line._parallel_transport(loop, monkey._tangents)
     with pytest.raises(InputError, match="run into each other"):
-        run.loft_of(pull, placing.on_line(pull, monkey))
+        run.loft_pullback(pull, frame_placement.centreline_placement(pull, monkey))
 
 
 def write_lines(path, *lines):
@@ -323,7 +333,7 @@ def test_which_of_several_lines_must_be_said(tmp_path):
     with pytest.raises(InputError, match="no such line"):
         line.read(tmp_path / "lines.vtp", "mm", 0)
     one, two = (line.read(tmp_path / "lines.vtp", "mm", number) for number in (1, 2))
-    assert two.place(np.array([5.0]))[0] - one.place(np.array([5.0]))[0] == pytest.approx(
+    assert two.frame_at(np.array([5.0]))[0] - one.frame_at(np.array([5.0]))[0] == pytest.approx(
         np.array([[30, 0, 0]]), abs=0.01
     )
 
@@ -362,7 +372,7 @@ def test_frames_carried_along_a_line_do_not_turn_about_it():
     a, b = 10.0, 3.0
     helix = line.Line(np.column_stack([a * np.cos(angle), a * np.sin(angle), b * angle]))
     s = np.array([5.0, helix.length_mm - 5.0])
-    _, tangent, first, second = helix.place(s)
+    _, tangent, first, second = helix.frame_at(s)
     at = s / np.hypot(a, b)
     normal = np.column_stack([-np.cos(at), -np.sin(at), 0 * at])
     seen = np.arctan2((normal * second).sum(axis=1), (normal * first).sum(axis=1))

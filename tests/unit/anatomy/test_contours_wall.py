@@ -55,7 +55,7 @@ def test_outer_wall_that_is_missing_in_a_frame_is_interpolated(table, tmp_path):
 def plaque_along(folder):
     """(z (n,), plaque (n,)) in mm at the points of a written lumen that lie on its wall, not within its caps."""
     surface = vtp.read_triangles(folder / "lumen.vtp", "")
-    _, triangles = vtp.arrays(surface)
+    _, triangles = vtp.points_and_triangles(surface)
     wall = np.unique(triangles[np.array(surface.GetCellData().GetArray("region_id")) == loft.WALL])
     return vtp.points(surface)[wall, 2], np.array(surface.GetPointData().GetArray("plaque_thickness_mm"))[wall]
 

@@ -47,32 +47,32 @@ def test_the_level_that_is_contoured_follows_the_blood():
 def test_lesions_and_calcium_do_not_bend_the_trend():
     hu = 400 - 3 * S
     disturbed = np.where((S > 2) & (S < 8), hu + 300, np.where((S > 24) & (S < 30), hu - 200, hu))
-    found = blood.trend(S, disturbed, ALL, None)
+    found = blood.fit_trend(S, disturbed, ALL, None)
     assert found(S) == pytest.approx(hu, abs=8)
-    assert blood.trend(S, hu, (S > 12) & (S < 30), None)(S) == pytest.approx(hu, abs=2)  # carried on to the ends
+    assert blood.fit_trend(S, hu, (S > 12) & (S < 30), None)(S) == pytest.approx(hu, abs=2)  # carried on to the ends
 
 
 def test_a_long_vessel_may_fall_faster_in_a_part():
     s = np.linspace(0, 120, 481)
     hu = np.where(s < 60, 400 - 0.5 * s, 370 - 2.5 * (s - 60))
-    assert blood.trend(s, hu, np.ones(len(s), bool), None)(s) == pytest.approx(hu, abs=20)
+    assert blood.fit_trend(s, hu, np.ones(len(s), bool), None)(s) == pytest.approx(hu, abs=20)
 
 
 def test_few_wide_sections_give_a_constant_and_none_the_parents_level():
     parent = blood.Trend(0.0, 300.0)
-    assert blood.trend(S, 0 * S, S < 1.5, parent) is parent
-    assert blood.trend(S, 400 - 3 * S, S < 14.0, parent)(S) == pytest.approx(379, abs=1)
+    assert blood.fit_trend(S, 0 * S, S < 1.5, parent) is parent
+    assert blood.fit_trend(S, 400 - 3 * S, S < 14.0, parent)(S) == pytest.approx(379, abs=1)
 
 
 def test_levelling_changes_the_blood_and_not_the_wall():
     hu = np.full((161, 4, 3), edges.HEALTHY_WALL_HU)
     hu[:, :, 0] = (400 - 4 * S)[:, None]
-    flat = blood.levelled(
+    flat = blood.level_contrast(
         edges.Profiles(S, np.arange(4), np.arange(3), hu, hu[:, 0, 0]), blood.Trend(S, hu[:, 0, 0]), 320
     )
     assert flat.hu[:, :, 0] == pytest.approx(320) and flat.axis_hu == pytest.approx(320)
     assert flat.hu[:, :, 1:] == pytest.approx(edges.HEALTHY_WALL_HU)
-    assert flat.after(40).gain == pytest.approx(270 / (350 - 4 * S[40:]))
+    assert flat.sections_from(40).gain == pytest.approx(270 / (350 - 4 * S[40:]))
 
 
 @pytest.mark.parametrize("top, smoothing", [(300.0, 0.0), (240.0, 0.0), (300.0, 0.5)])

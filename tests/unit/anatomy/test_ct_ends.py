@@ -29,10 +29,10 @@ def test_a_line_may_end_a_radius_away_from_its_point(miss, near):
     ends = [("inlet", np.zeros(3)), ("outlet1", np.array([0.0, miss, 20.0]))]
     line = {"main": np.column_stack([np.zeros(60), np.zeros(60), np.linspace(0, 20, 60)])}
     if near:
-        assert segment._given_lines(line, ends)[0].end == 1
+        assert segment._lines_of_user(line, ends)[0].end == 1
     else:
         with pytest.raises(InputError, match="(?s)away from every end point.*within 2 mm.*left-posterior-superior"):
-            segment._given_lines(line, ends)
+            segment._lines_of_user(line, ends)
 
 
 def test_a_centreline_reaches_every_outlet():
@@ -40,11 +40,11 @@ def test_a_centreline_reaches_every_outlet():
     ends = [("inlet", np.zeros(3)), ("outlet1", np.array([0.0, 0.0, 20.0])), ("outlet2", np.array([10.0, 0.0, 10.0]))]
     main = np.column_stack([np.zeros(60), np.zeros(60), np.linspace(0, 20, 60)])
     side = np.column_stack([np.linspace(0, 10, 60), np.zeros(60), np.full(60, 10.0)])
-    assert [line.end for line in segment._given_lines({"main": main, "side1": side}, ends)] == [1, 2]
+    assert [line.end for line in segment._lines_of_user({"main": main, "side1": side}, ends)] == [1, 2]
     with pytest.raises(InputError, match="(?s)not have one line to each outlet.*outlet2.*reached by none"):
-        segment._given_lines({"main": main}, ends)
+        segment._lines_of_user({"main": main}, ends)
     with pytest.raises(InputError, match="(?s)not have one line to each outlet.*outlet1.*reached by main and side1"):
-        segment._given_lines({"main": main, "side1": main, "side2": side}, ends)
+        segment._lines_of_user({"main": main, "side1": main, "side2": side}, ends)
 
 
 def test_a_centreline_off_the_axis_is_centred():
@@ -78,10 +78,10 @@ def test_a_fifth_of_the_contrast_is_a_way(share, passable):
     block = image.Image(values, np.zeros(3), np.full(3, 0.4))
     ends = [("inlet", np.array([12.0, 12, 2])), ("outlet1", np.array([12.0, 12, 22]))]
     if passable:
-        assert len(paths.find(block, ends)) == 1
+        assert len(paths.find_branches(block, ends)) == 1
     else:
         with pytest.raises(ComputationError, match="(?s)no way.*outlet1.*0.2 of the blood's 400 HU.*--centreline"):
-            paths.find(block, ends)
+            paths.find_branches(block, ends)
 
 
 def fork(length):
@@ -95,7 +95,7 @@ def fork(length):
 
     main = np.column_stack([np.zeros(80), np.zeros(80), np.linspace(0, 20, 80)])
     side = np.column_stack([np.linspace(0, length, 60), np.zeros(60), np.full(60, 10.0)])
-    axes = [paths.smoothed(points, 0.01) for points in (main, side)]
+    axes = [paths.smooth_curve(points, 0.01) for points in (main, side)]
     return at, [paths.Line(axes[0], -1, 1), paths.Line(axes[1], 0, 2)]
 
 
@@ -103,15 +103,15 @@ def fork(length):
 def test_a_branch_needs_five_sections_outside_its_parent(length, leaves):
     """Rays clear the parent 2.3 mm from its axis; a branch that never does is no branch of the whole length."""
     at, lines = fork(length)
-    main = segment._tube(at, lines[0], None, "half_maximum", BLOOD, None, 0.25, 24)[0]
+    main = segment._measure_tube(at, lines[0], None, "half_maximum", BLOOD, None, 0.25, 24)[0]
     if leaves:
-        tube = segment._tube(at, lines[1], main, "half_maximum", BLOOD, None, 0.25, 24)[0]
+        tube = segment._measure_tube(at, lines[1], main, "half_maximum", BLOOD, None, 0.25, 24)[0]
         assert tube.radius(tube.s_mm[-1]) == pytest.approx(1.0, abs=0.1)
     else:
         with pytest.raises(
             ComputationError, match="(?s)hardly leaves its parent.*outlet 2 of those given.*mm of it outside"
         ):
-            segment._tube(at, lines[1], main, "half_maximum", BLOOD, None, 0.25, 24)
+            segment._measure_tube(at, lines[1], main, "half_maximum", BLOOD, None, 0.25, 24)
 
 
 def test_a_lumen_without_a_surface_names_the_settings(monkeypatch):
@@ -177,4 +177,4 @@ def test_points_of_the_other_convention_are_recognised(inlet):
 def test_an_axis_without_length_is_an_error_of_the_users(points):
     """Instead of a traceback from the spline."""
     with pytest.raises(ComputationError, match="(?s)axis has no length.*CT numbers.*centreline"):
-        paths.smoothed(points)
+        paths.smooth_curve(points)

@@ -9,7 +9,7 @@ from scipy.special import ndtr
 
 from anatomy.ct import segment, wall, warnings
 from anatomy.ct.rays.edges import Profiles
-from anatomy.ct.rays.stented import disc
+from anatomy.ct.rays.stented import blurred_disc
 
 
 @pytest.mark.parametrize("blood, wall", [(400.0, 50.0), (260.0, 50.0), (400.0, 110.0), (260.0, 110.0), (400.0, -80.0)])
@@ -31,7 +31,7 @@ def sections(wall_hu, beside_hu, gap_mm):
     """Twelve sections of a vessel of 400 HU, its wall in fat, with something flat gap_mm from the lumen on one side."""
     radius, sigma = ct_vessels.RADIUS_MM, ct_vessels.SIGMA_MM
     theta, r = np.linspace(0, 2 * np.pi, 32, endpoint=False), np.arange(0, 4, 0.05)
-    hu = -80 + (wall_hu + 80) * disc(r, radius + 0.7, sigma) + (400 - wall_hu) * disc(r, radius, sigma)
+    hu = -80 + (wall_hu + 80) * blurred_disc(r, radius + 0.7, sigma) + (400 - wall_hu) * blurred_disc(r, radius, sigma)
     covered = ndtr((r * np.cos(theta)[:, None] - radius - gap_mm) / sigma)
     hu = hu * (1 - covered) + beside_hu * covered
     return Profiles(np.arange(12) * 0.25, theta, r, np.tile(hu, (12, 1, 1)), np.full(12, 400.0))
@@ -42,8 +42,8 @@ def sections(wall_hu, beside_hu, gap_mm):
 def test_what_lies_on_one_side_is_not_the_wall(wall_hu, beside_hu, gap_mm):
     """A chamber, a vein or muscle was read as a wall of 8 to 200 HU, and right radii were called wrong by 0.35 mm."""
     profiles = sections(wall_hu, beside_hu, gap_mm)
-    found = wall.level(profiles, np.full((12, 32), ct_vessels.RADIUS_MM), 400.0, np.full(12, True))
-    assert found - wall.FOUND_TOO_DARK_HU == pytest.approx(wall_hu, abs=20)
+    found = wall.measured_wall_hu(profiles, np.full((12, 32), ct_vessels.RADIUS_MM), 400.0, np.full(12, True))
+    assert found - wall.FIT_BIAS_HU == pytest.approx(wall_hu, abs=20)
     assert (wall.expected_error_mm(found, 400.0) > wall.DOUBTFUL_MM) == (wall_hu > 50)
 
 

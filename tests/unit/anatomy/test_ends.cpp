@@ -43,13 +43,13 @@ TEST(Ends, OpenEndsAreCapped) {
   orient_outward(mesh, repairs);
   EXPECT_TRUE(CGAL::is_closed(mesh));
   EXPECT_TRUE(shapes::reported(repairs, "open end capped"));
-  expect_the_cones_ends(measured_ends(mesh));
+  expect_the_cones_ends(measure_ends(mesh));
 }
 
 TEST(Ends, FlatCapsAreFoundByShape) {
   Mesh mesh = cone(true);
   shapes::tag_ends(mesh);
-  expect_the_cones_ends(measured_ends(mesh));
+  expect_the_cones_ends(measure_ends(mesh));
 }
 
 // The cone, open, with the half of its inlet's rim moved this far outwards.
@@ -87,7 +87,7 @@ TEST(Ends, AToothedRimIsCutBehindItsTeeth) {
   cut_ragged(mesh, open, repairs);
   EXPECT_TRUE(shapes::reported(repairs, "ragged end cut flat"));
   EXPECT_TRUE(CGAL::is_closed(mesh));
-  const std::vector<End> ends = measured_ends(mesh);
+  const std::vector<End> ends = measure_ends(mesh);
   ASSERT_EQ(ends.size(), 2u);
   EXPECT_GT(ends[0].centre.x(), 0);
   EXPECT_LT(ends[0].centre.x(), 1);
@@ -97,10 +97,10 @@ TEST(Ends, AToothedRimIsCutBehindItsTeeth) {
 TEST(Ends, RemeshingKeepsTagsFlatnessAndQuality) {
   Mesh mesh = cone(true);
   shapes::tag_ends(mesh);
-  measured_ends(mesh);
+  measure_ends(mesh);
   for (double edge : {0.5, 0.25}) {
     Mesh fine = remeshed(mesh, edge, mesh);
-    expect_the_cones_ends(measured_ends(fine));
+    expect_the_cones_ends(measure_ends(fine));
     EXPECT_LT(flatten_caps(fine).distance, 1e-12);
     const Quality quality = quality_of(fine);
     EXPECT_GT(quality.min_angle_deg, 30) << edge;
@@ -119,7 +119,7 @@ TEST(Ends, TagsAreCarriedFromTheInput) {
   std::vector<Repair> repairs;
   Mesh mesh = repaired(soup, repairs);
   tag_from_soup(mesh, soup);
-  EXPECT_EQ(measured_ends(mesh).size(), 2u);
+  EXPECT_EQ(measure_ends(mesh).size(), 2u);
 }
 
 std::vector<End> three_ends() {
@@ -162,7 +162,7 @@ TEST(FindEnds, FacetsOfALoftAreWall) {
     for (double spacing : {0.5, 3.0}) {
       Mesh mesh = prism(corners, 2, 20, spacing);
       shapes::tag_ends(mesh);
-      const std::vector<End> ends = measured_ends(mesh);
+      const std::vector<End> ends = measure_ends(mesh);
       ASSERT_EQ(ends.size(), 2u) << corners << " corners, rings every " << spacing << " mm";
       for (const End& end : ends)
         EXPECT_NEAR(std::abs(end.normal.x()), 1, 1e-9);
@@ -178,7 +178,7 @@ TEST(FindEnds, AVesselThatWidensBehindItsEndHasOne) {
     Mesh mesh = repaired(shapes::soup_of(tube), repairs);
     region_map(mesh);
     shapes::tag_ends(mesh);
-    EXPECT_EQ(measured_ends(mesh).size(), 2u) << slope;
+    EXPECT_EQ(measure_ends(mesh).size(), 2u) << slope;
   }
 }
 
@@ -187,7 +187,7 @@ TEST(FindEnds, WhatThePointsNameDecides) {
   NamedEnds named;
   named.outlets = {Vec3(12, 0, 0)};
   shapes::tag_ends(closed, named); // the inlet is the larger one that is left
-  expect_the_cones_ends(measured_ends(closed));
+  expect_the_cones_ends(measure_ends(closed));
   named.outlets = {Vec3(12, 0, 0), Vec3(12.5, 0, 0)};
   Mesh twice = cone(true), away = cone(true);
   EXPECT_THROW(shapes::tag_ends(twice, named), common::InputError);
@@ -203,11 +203,11 @@ TEST(Naming, TheLargestEndIsTheInletUnlessGiven) {
 }
 
 TEST(Naming, OutletsByPoints) {
-  const Naming naming = naming_given(three_ends(), Vec3(0, 0, 0), {Vec3(20, 0, 0), Vec3(10, 0.5, 0)});
+  const Naming naming = naming_from_points(three_ends(), Vec3(0, 0, 0), {Vec3(20, 0, 0), Vec3(10, 0.5, 0)});
   EXPECT_EQ(naming.inlet, 0u);
   EXPECT_EQ(naming.branch, (std::vector<int>{-1, 1, 0}));
-  EXPECT_THROW(naming_given(three_ends(), Vec3(0, 0, 0), {Vec3(20, 0, 0)}), common::InputError);
-  EXPECT_THROW(naming_given(three_ends(), Vec3(0, 0, 0), {Vec3(20, 0, 0), Vec3(20, 0, 0)}), common::InputError);
+  EXPECT_THROW(naming_from_points(three_ends(), Vec3(0, 0, 0), {Vec3(20, 0, 0)}), common::InputError);
+  EXPECT_THROW(naming_from_points(three_ends(), Vec3(0, 0, 0), {Vec3(20, 0, 0), Vec3(20, 0, 0)}), common::InputError);
 }
 
 TEST(Naming, LikeAnEarlierState) {
@@ -216,12 +216,12 @@ TEST(Naming, LikeAnEarlierState) {
     {"name": "outlet1", "kind": "outlet", "branch": "main", "centre_mm": [0, 0.3, 0]},
     {"name": "outlet3", "kind": "outlet", "branch": "side2", "centre_mm": [19, 0, 0]}]})");
   std::vector<End> ends = three_ends();
-  const Naming naming = naming_like(ends, like);
+  const Naming naming = naming_from_earlier(ends, like);
   EXPECT_EQ(naming.inlet, 1u);
   EXPECT_EQ(naming.branch, (std::vector<int>{0, -1, 2}));
   std::vector<End> two = three_ends();
   two.pop_back();
-  EXPECT_THROW(naming_like(two, like), common::InputError);
+  EXPECT_THROW(naming_from_earlier(two, like), common::InputError);
 }
 
 TEST(Ends, AScrapBesideACapIsWallAgain) {
@@ -233,21 +233,21 @@ TEST(Ends, AScrapBesideACapIsWallAgain) {
   const Face scrap = *std::find_if(mesh.faces().begin(), mesh.faces().end(), middle);
   region[scrap] = tag;
   Mesh copy = mesh;
-  ASSERT_EQ(measured_ends(copy).size(), 3u);
+  ASSERT_EQ(measure_ends(copy).size(), 3u);
   std::vector<Repair> repairs;
   drop_scraps_of_caps(mesh, {}, repairs);
   EXPECT_TRUE(shapes::reported(repairs, "scrap of a cap taken as wall"));
   EXPECT_EQ(region[scrap], 0);
-  expect_the_cones_ends(measured_ends(mesh));
+  expect_the_cones_ends(measure_ends(mesh));
 }
 
 TEST(Ends, ACapThatIsMovedByATenthOfItsRadiusIsWarnedOf) {
   for (const auto& [share, warned] : {std::pair{0.09, false}, {0.11, true}}) {
     std::vector<Repair> repairs;
-    Move move;
+    CapMove move;
     move.distance = 1.5 * share;
     move.share = share;
-    report_move(repairs, move, 2);
+    report_cap_move(repairs, move, 2);
     ASSERT_EQ(repairs.size(), 1u);
     EXPECT_EQ(repairs[0].what, "caps flattened");
     EXPECT_EQ(repairs[0].warning, warned) << share;

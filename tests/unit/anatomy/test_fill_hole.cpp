@@ -31,7 +31,7 @@ TEST(Filled, ClosesAHoleLargeOrSmall) {
   for (double edge : {0.2, 0.035}) { // the second: more edges than are searched among all triangles
     Mesh mesh = open_tube(edge, Vec3::UnitX());
     for (const Loop& loop : boundary_loops(mesh))
-      EXPECT_EQ(filled(mesh, loop.halfedge).size(), loop.halfedges - 2);
+      EXPECT_EQ(fill_hole(mesh, loop.halfedge).size(), loop.halfedges - 2);
     EXPECT_TRUE(CGAL::is_closed(mesh));
   }
 }
@@ -41,7 +41,7 @@ TEST(Capped, ClosesAPlaneLoopByAFlatCap) {
     for (double edge : {0.4, 0.1, 0.035}) { // the last: more edges than are searched among all triangles
       Mesh mesh = open_tube(edge, axis.normalized());
       for (const Loop& loop : boundary_loops(mesh)) {
-        const std::vector<Face> cap = capped(mesh, loop);
+        const std::vector<Face> cap = cap_loop(mesh, loop);
         ASSERT_FALSE(cap.empty());
         EXPECT_NEAR(surface_area(mesh, cap), loop.area, 1e-9 * loop.area); // flat, and nothing folded
         EXPECT_GT(cap.size(), loop.halfedges - 2);                         // refined
@@ -82,7 +82,7 @@ TEST(Filled, IsTheSameWhereverItsSearchLiesInMemory) {
       const auto blocks = strewn(seed);
       Mesh mesh = open;
       for (const Loop& loop : boundary_loops(mesh))
-        filled(mesh, loop.halfedge);
+        fill_hole(mesh, loop.halfedge);
       if (seed == 0)
         first = corners(mesh);
       EXPECT_EQ(corners(mesh), first) << "edge " << edge << ", seed " << seed;

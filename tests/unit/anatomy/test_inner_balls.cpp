@@ -40,11 +40,11 @@ TEST(InnerBalls, ABallBesideACapThatLeadsNowhereIsNotItsBall) {
   }
   balls.neighbours[8].push_back(9); // the two know each other, and nothing else
   balls.neighbours[9].push_back(8);
-  EXPECT_EQ(ball_at(balls, end_at_origin()), 0u);
+  EXPECT_EQ(ball_at_end(balls, end_at_origin()), 0u);
 }
 
 TEST(InnerBalls, AnEndWithNothingButSuchBallsHasNoAxis) {
-  EXPECT_THROW(ball_at(in_a_row(2), end_at_origin()), common::ComputationError);
+  EXPECT_THROW(ball_at_end(in_a_row(2), end_at_origin()), common::ComputationError);
 }
 
 // The points of a rim lie on one circle, and which tetrahedra they make is up to rounding.
@@ -58,7 +58,7 @@ TEST(InnerBalls, EveryTurnOfATubeHasAWayThroughIt) {
     Mesh mesh = tube;
     for (Vertex v : mesh.vertices())
       mesh.point(v) = point(turn * vec(mesh.point(v)));
-    const std::vector<End> ends = measured_ends(mesh);
+    const std::vector<End> ends = measure_ends(mesh);
     ASSERT_EQ(ends.size(), 2u);
     EXPECT_NO_THROW(voronoi_paths(mesh, ends, 0)) << k;
   }

@@ -1,7 +1,7 @@
 """Where stents begin and end."""
 
 import pytest
-from narrowed_vessels import drawn, focal, plateau, worst_of
+from narrowed_vessels import measured_vessel, focal, plateau, worst_of
 
 from anatomy.planning import landing, profile, targets
 from common.errors import InputError
@@ -10,8 +10,8 @@ LENGTHS = [8, 12, 15, 18, 23, 28, 33, 38]
 
 
 def spans(*narrowings, least=1, **shape):
-    target = targets.found(*drawn(*narrowings, **shape))[0]
-    return target, landing.spans(target, LENGTHS, "case", least)
+    target = targets.targets_to_treat(*measured_vessel(*narrowings, **shape))[0]
+    return target, landing.stent_spans(target, LENGTHS, "case", least)
 
 
 def test_a_focal_lesion_takes_the_shortest_stent_with_its_ends_in_normal_lumen():
@@ -24,12 +24,12 @@ def test_an_end_moves_to_the_healthiest_lumen_within_5_mm():
     """A narrowing of 25 % behind the lesion until 2 mm before the window's end: 15 mm to reach normal lumen."""
     target, (span,) = spans(worst_of(focal(21, 12, 80), plateau(21, 28, 25)))
     assert span.end > 27.9 and target.start - span.start >= landing.MARGIN_MM - 0.01
-    assert span.end - target.end <= landing.WITHIN_MM
+    assert span.end - target.end <= landing.SEARCH_MM
 
 
 def test_diffuse_disease_beyond_5_mm_is_left():
     target, (span,) = spans(worst_of(focal(21, 12, 84), plateau(21, 44, 25)))
-    assert span.length <= 15 and span.end - target.end <= landing.WITHIN_MM
+    assert span.length <= 15 and span.end - target.end <= landing.SEARCH_MM
 
 
 def test_a_dilatation_is_no_landing_zone():
@@ -68,8 +68,8 @@ def test_too_long_for_the_catalogue():
 def test_near_an_end_the_margin_is_what_the_branch_has():
     """Stretch from 2 mm on: the stent begins 1.5 mm behind the inlet, less than the margin before it."""
     target, (span,) = spans(plateau(1.5, 8, 70))
-    assert span.start == profile.EDGE_MM and target.start - span.start < landing.MARGIN_MM
-    assert spans(focal(1.75, 4, 70))[0].s_mla > profile.EDGE_MM
+    assert span.start == profile.CAP_MARGIN_MM and target.start - span.start < landing.MARGIN_MM
+    assert spans(focal(1.75, 4, 70))[0].s_mla > profile.CAP_MARGIN_MM
     for near in (0.5, 1.25, 48.75):
         with pytest.raises(InputError, match="(?s)too near an end of its branch.*from 1.5 to 48.5 mm of main"):
             spans(focal(near, 4, 70))
@@ -77,19 +77,19 @@ def test_near_an_end_the_margin_is_what_the_branch_has():
 
 def side_branch(shape, ostium):
     """The first target on a vessel that leaves a parent: its sections begin `ostium` mm from the parent's axis."""
-    summary, sections = drawn(shape)
+    summary, sections = measured_vessel(shape)
     summary["branches"][0]["parent"] = "trunk"
     sections["main"] = [row for row in sections["main"] if row["s_mm"] >= ostium]
-    return targets.found(summary, sections)[0]
+    return targets.targets_to_treat(summary, sections)[0]
 
 
 def test_a_stent_of_a_side_branch_begins_at_its_ostium():
     """Not 1.5 mm from the axis of its parent, in the lumen of a parent of 7 mm."""
     target = side_branch(focal(6, 6, 70), 3.5)
-    (span,) = landing.spans(target, LENGTHS, "case")
+    (span,) = landing.stent_spans(target, LENGTHS, "case")
     assert span.start == 3.5 and span.end > target.end + landing.MARGIN_MM - 0.01
     at_the_ostium = side_branch(focal(3.5, 4, 70), 3.5)
-    assert at_the_ostium.s_mla == 3.5 and landing.spans(at_the_ostium, LENGTHS, "case")[0].start == 3.5
+    assert at_the_ostium.s_mla == 3.5 and landing.stent_spans(at_the_ostium, LENGTHS, "case")[0].start == 3.5
 
 
 def test_a_branch_too_short_for_any_stent():

@@ -58,7 +58,7 @@ TEST(Corners, AreWidenedOnTheWall) {
       for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
         EXPECT_LT(wall.distance(vec(mesh.point(v))), 1e-9);
     }
-  EXPECT_EQ(measured_ends(mesh).size(), 2u);
+  EXPECT_EQ(measure_ends(mesh).size(), 2u);
 }
 
 TEST(Regraded, KeepsWhatIsAsWantedToTheBit) {
@@ -86,7 +86,7 @@ TEST(Coarsened, BringsAFineMeshToTheWantedEdge) {
   EXPECT_GE(quality_of(mesh).min_angle_deg, 30);
   EXPECT_NEAR(quality_of(mesh).volume_mm3, quality_of(surface).volume_mm3, 0.02 * quality_of(surface).volume_mm3);
   Mesh copy = mesh;
-  EXPECT_EQ(measured_ends(copy).size(), 2u);
+  EXPECT_EQ(measure_ends(copy).size(), 2u);
 }
 
 } // namespace

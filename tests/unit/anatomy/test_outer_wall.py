@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import vtk
-from narrowed_vessels import drawn, plateau
+from narrowed_vessels import measured_vessel, plateau
 from vtk.util.numpy_support import numpy_to_vtk
 
 from anatomy.planning import outer_wall, plan, proposal, remarks
@@ -17,7 +17,7 @@ def diseased(tmp_path):
     The reference that was fitted to the lumen follows it.
     """
     lumen = lambda s: np.interp(s, [8, 12], [2.9, 1.6])  # noqa: E731
-    summary, sections = drawn(plateau(12, 45, 44), lumen=lumen, healthy=lambda s: np.maximum(lumen(s), 1.75))
+    summary, sections = measured_vessel(plateau(12, 45, 44), lumen=lumen, healthy=lambda s: np.maximum(lumen(s), 1.75))
     points, plaque = [], []
     for row in sections["main"]:
         row |= {"x_mm": row["s_mm"], "y_mm": 0.0, "z_mm": 0.0}
@@ -45,17 +45,17 @@ def diseased(tmp_path):
 
 def test_reference_is_lumen_and_plaque(diseased):
     _, sections, file = diseased
-    found = outer_wall.referenced(sections, file)["main"]
+    found = outer_wall.with_plaque_reference(sections, file)["main"]
     assert [row["reference_diameter_mm"] for row in found] == pytest.approx([3.0] * len(found), abs=0.05)
 
 
 def test_stents_are_sized_by_the_vessel(diseased, families):
     """1.6 mm of lumen everywhere distal: a balloon by the lumen alone, a stent of 2.75 or 3 mm in a vessel of 3 mm."""
     summary, sections, file = diseased
-    assert proposal.propose(summary, sections, families, "case").treated[0].stents == []
-    done = proposal.propose(summary, outer_wall.referenced(sections, file), families, "case")
-    assert {stent.diameter for one in done.treated for stent in one.stents} <= {2.75, 3.0}
-    assert done.treated[0].target.percent == pytest.approx(47, abs=2)
+    assert proposal.propose(summary, sections, families, "case").treatments[0].stents == []
+    done = proposal.propose(summary, outer_wall.with_plaque_reference(sections, file), families, "case")
+    assert {stent.diameter for one in done.treatments for stent in one.stents} <= {2.75, 3.0}
+    assert done.treatments[0].target.percent == pytest.approx(47, abs=2)
 
 
 @pytest.mark.parametrize(
@@ -63,15 +63,15 @@ def test_stents_are_sized_by_the_vessel(diseased, families):
     [({"path": "a.stl"}, False), ({"contours": {"lumen": "a"}}, False), ({"contours": {"outer_wall": "a"}}, True)],
 )
 def test_known_where_contours_have_it(lumen, known):
-    assert outer_wall.known({"lumen": lumen}) == known
-    assert not outer_wall.known({"vessel": {}})
+    assert outer_wall.has_traced_wall({"lumen": lumen}) == known
+    assert not outer_wall.has_traced_wall({"vessel": {}})
 
 
 def test_the_plan_says_which_reference_it_used(diseased, families):
     """By the outer wall 47 %; by the profile through a lumen that is narrow all along, less: both are said."""
     summary, sections, file = diseased
-    done = proposal.propose(summary, outer_wall.referenced(sections, file), families, "case")
-    reference = plan.sized_by(summary, done, by_outer_wall=True)
+    done = proposal.propose(summary, outer_wall.with_plaque_reference(sections, file), families, "case")
+    reference = plan.reference_document(summary, done, by_outer_wall=True)
     assert reference["by"] == "outer wall"
     lesion = reference["lesions"][0]
     assert lesion["diameter_stenosis_percent"] == pytest.approx(47, abs=2)

@@ -82,7 +82,7 @@ def test_labels_keep_clear_of_each_other_and_of_the_vessel():
     axes.plot(*wall.T)
     axes.set(xlim=(0, 10), ylim=(0, 10))
     labels = [picture._label(axes, f"outlet{k} (2.00 mm)", (5.0, 5.0)) for k in range(4)]
-    picture._place(figure, axes, [(label, 0, wall) for label in labels])
+    picture._place_labels(figure, axes, [(label, 0, wall) for label in labels])
     figure.canvas.draw()
     boxes = [label.get_window_extent() for label in labels]
     assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
@@ -93,7 +93,7 @@ def test_labels_keep_clear_of_each_other_and_of_the_vessel():
 
 def test_no_label_lies_on_the_wall(folder, monkeypatch):
     """The branches' silhouettes, not their axes alone, are kept clear."""
-    place, on_wall = picture._place, []
+    place, on_wall = picture._place_labels, []
 
     def checked(figure, axes, labels):
         place(figure, axes, labels)
@@ -102,7 +102,7 @@ def test_no_label_lies_on_the_wall(folder, monkeypatch):
         boxes = [Text.get_window_extent(label) for label, *_ in labels]  # without the leaders
         on_wall.extend(outline.intersects_bbox(box, filled=True) for outline in outlines for box in boxes)
 
-    monkeypatch.setattr(picture, "_place", checked)
+    monkeypatch.setattr(picture, "_place_labels", checked)
     picture.run(folder, folder / "a.png")
     assert len(on_wall) == 8 and not any(on_wall)  # two branches, four labels
 
@@ -115,5 +115,5 @@ def test_picture_is_as_high_as_the_tree(folder, swing, lowest):
         row[4] = str(swing * np.sin(i / 3))
     (folder / "sections.csv").write_text("\n".join([HEADER, *(",".join(row) for row in rows)]) + "\n")
     picture.run(folder, folder / "a.png")
-    height = plt.imread(folder / "a.png").shape[0] / 130 - picture.PROFILE
-    assert (height < picture.LOWEST + 0.1) == lowest and height < 1.1 * picture.WIDTH
+    height = plt.imread(folder / "a.png").shape[0] / 130 - picture.PROFILE_INCHES
+    assert (height < picture.LEAST_TREE_INCHES + 0.1) == lowest and height < 1.1 * picture.WIDTH_INCHES

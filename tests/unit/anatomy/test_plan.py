@@ -88,7 +88,7 @@ def test_balloon_away_from_the_stent_may_be_larger(families, summary):
 
 
 def test_pressure_reaches_the_wanted_diameter(families):
-    balloon = catalogue.entries(families, "non_compliant", 3.0, 12, "case")["non_compliant_3.00x12"]
+    balloon = catalogue.device_entries(families, "non_compliant", 3.0, 12, "case")["non_compliant_3.00x12"]
     assert catalogue.pressure_for(balloon, 3.054) == 18
     assert catalogue.pressure_for(balloon, 3.5) == 20
     assert catalogue.pressure_for(balloon, 2.0) == 12
@@ -97,8 +97,10 @@ def test_pressure_reaches_the_wanted_diameter(families):
 
 def test_a_family_may_ask_for_folding(families):
     family = families["non_compliant"] | {"folding": {"wings": 2}}
-    assert "folding" not in catalogue.entries(families, "non_compliant", 3.0, 12, "case")["non_compliant_3.00x12"]
-    entry = catalogue.entries(families | {"non_compliant": family}, "non_compliant", 3.0, 12, "case")
+    assert (
+        "folding" not in catalogue.device_entries(families, "non_compliant", 3.0, 12, "case")["non_compliant_3.00x12"]
+    )
+    entry = catalogue.device_entries(families | {"non_compliant": family}, "non_compliant", 3.0, 12, "case")
     assert entry["non_compliant_3.00x12"]["folding"] == {"wings": 2}
 
 

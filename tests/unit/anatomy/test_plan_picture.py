@@ -4,7 +4,7 @@ import json
 
 import matplotlib
 import pytest
-from narrowed_vessels import drawn, focal
+from narrowed_vessels import measured_vessel, focal
 
 from anatomy.planning import plan, plan_picture, proposal
 from common.errors import InputError
@@ -13,7 +13,7 @@ from common.errors import InputError
 @pytest.fixture
 def planned(families, written, tmp_path):
     """(anatomy folder, plan.json) of two lesions that are treated."""
-    summary, sections = drawn(focal(12, 8, 60), focal(36, 8, 75), sides=((24.0, 2.0),))
+    summary, sections = measured_vessel(focal(12, 8, 60), focal(36, 8, 75), sides=((24.0, 2.0),))
     steps = proposal.propose(summary, sections, families, "case", "all").steps
     document = {"schema": "vci-scene-1", "case": "two_lesions", **plan.procedure(steps, families, summary, "case")}
     (tmp_path / "plan.json").write_text(json.dumps(document))

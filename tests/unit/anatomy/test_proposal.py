@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from narrowed_vessels import drawn, focal, plateau, rows, worst_of
+from narrowed_vessels import measured_vessel, focal, plateau, rows, worst_of
 
 from anatomy.planning import landing, plan, proposal
 from common.errors import InputError
@@ -10,7 +10,7 @@ from common.errors import InputError
 
 def propose(families, *narrowings, treat="culprit", least_percent=None, **shape):
     """(summary, Proposal) of a drawn vessel."""
-    summary, sections = drawn(*narrowings, **shape)
+    summary, sections = measured_vessel(*narrowings, **shape)
     return summary, proposal.propose(summary, sections, families, "case", treat, least_percent)
 
 
@@ -57,9 +57,9 @@ def test_the_balloon_before_a_stent_lies_over_the_stretch_within_the_stent(famil
 
 def test_a_balloon_shorter_than_the_stretch_covers_its_tightest_place():
     span = landing.Span(10.0, 38.0)
-    assert proposal._over(12.0, 46.0, 13.0, 30.0, span) == 28.0
-    assert proposal._over(12.0, 46.0, 12.5, 30.0, span) == 27.5
-    assert proposal._over(20.0, 24.0, 22.0, 8.0, landing.Span(18.0, 8.0)) == 22.0
+    assert proposal._balloon_centre(12.0, 46.0, 13.0, 30.0, span) == 28.0
+    assert proposal._balloon_centre(12.0, 46.0, 12.5, 30.0, span) == 27.5
+    assert proposal._balloon_centre(20.0, 24.0, 22.0, 8.0, landing.Span(18.0, 8.0)) == 22.0
 
 
 def test_mild_diffuse_disease_behind_a_severe_lesion_takes_a_short_stent(families):
@@ -87,23 +87,23 @@ def test_all_significant_lesions_the_worst_branch_first_then_distal_first(famili
     three = focal(12, 8, 60), focal(30, 8, 75), focal(43, 8, 40)
     assert len(proposed(families, *three).steps) == 3
     done = proposed(families, *three, treat="all")
-    assert [one.target.name for one in done.treated] == ["lesion1", "lesion2"]
+    assert [one.target.name for one in done.treatments] == ["lesion1", "lesion2"]
     stents = [step["devices"][0]["centre_s_mm"] for step in done.steps if step["action"] == "stent"]
     assert len(stents) == 2 and stents[0] > 27 and stents[1] < 15
 
 
 def test_stents_that_would_meet_become_one_row(families):
     done = proposed(families, focal(14, 8, 70), focal(24.5, 8, 70), treat="all")
-    assert len(done.treated) == 1 and len(done.treated[0].target.lesions) == 2
+    assert len(done.treatments) == 1 and len(done.treatments[0].target.lesions) == 2
 
 
 def test_a_lesion_that_the_catalogue_does_not_fit_is_left_out_of_all(families):
-    summary, sections = drawn(focal(21, 12, 64), sides=((35.0, 1.5),))
+    summary, sections = measured_vessel(focal(21, 12, 64), sides=((35.0, 1.5),))
     sections["side1"] = rows("side1", *along_a_narrow_branch())
     lesion = summary["lesions"][0] | {"name": "lesion2", "branch": "side1", "s_mla_mm": 5.0}
     summary["lesions"].append(lesion | {"diameter_stenosis_percent": 60.0})
     done = proposal.propose(summary, sections, families, "case", "all")
-    assert [target.name for target, _ in done.left_out] == ["lesion2"]
+    assert [target.name for target, _ in done.untreatable] == ["lesion2"]
     assert len(done.steps) == 3
     summary["lesions"].pop(0)
     with pytest.raises(InputError, match="no stent|longer than the branch"):
@@ -119,7 +119,7 @@ def test_the_culprit_is_the_worst_lesion_that_a_stent_fits(families):
     """80 % where the vessel is 1.2 mm wide, 60 % where it is 3 mm; a mild lesion is no substitute."""
     narrow = {"healthy": lambda s: np.where(s < 30, 3.0, 1.2)}
     done = proposed(families, focal(14, 8, 60), focal(40, 8, 80), **narrow)
-    assert [one.target.name for one in done.treated] == ["lesion2"] and len(done.left_out) == 1
+    assert [one.target.name for one in done.treatments] == ["lesion2"] and len(done.untreatable) == 1
     with pytest.raises(InputError, match="no stent diameter of the catalogue fits the vessel"):
         proposed(families, focal(14, 8, 45), focal(40, 8, 80), **narrow)
 
@@ -130,7 +130,7 @@ def test_a_balloon_alone_where_no_stent_is_as_wide_as_the_vessel(families):
         done = proposed(families, focal(21, 12, 60), healthy=lambda s, wide=wide: wide + 0 * s)
         (device,) = done.steps[0]["devices"]
         assert actions(done) == ["predilatation"] and (device["device"], device["diameter_mm"]) == size
-        assert done.left_out == [] and "no stent diameter" in done.treated[0].no_stent.what
+        assert done.untreatable == [] and "no stent diameter" in done.treatments[0].no_stent_error.what
 
 
 def test_a_stent_comes_before_a_balloon_alone_and_all_takes_both(families):
@@ -139,7 +139,7 @@ def test_a_stent_comes_before_a_balloon_alone_and_all_takes_both(families):
     assert actions(proposed(families, *two, **narrow)) == ["predilatation", "stent", "postdilatation"]
     done = proposed(families, *two, treat="all", **narrow)
     assert actions(done) == ["predilatation", "predilatation", "stent", "postdilatation"]
-    assert [len(one.stents) for one in done.treated] == [0, 1] and not done.left_out
+    assert [len(one.stents) for one in done.treatments] == [0, 1] and not done.untreatable
 
 
 def test_a_mild_lesion_is_planned_alone_or_as_the_case_says(families):
@@ -147,8 +147,8 @@ def test_a_mild_lesion_is_planned_alone_or_as_the_case_says(families):
     assert actions(proposed(families, focal(21, 12, 42.9))).count("stent") == 1
     two = focal(14, 8, 45), focal(38, 8, 42)
     for options, number in (({}, 1), ({"least_percent": 40}, 2), ({"least_percent": 44}, 1)):
-        assert len(proposed(families, *two, treat="all", **options).treated) == number
-    assert len(proposed(families, *two, least_percent=40).treated) == 1
+        assert len(proposed(families, *two, treat="all", **options).treatments) == number
+    assert len(proposed(families, *two, least_percent=40).treatments) == 1
     said = r"(?s)no lesion severe enough.*lesion1.*at 21.0 mm by 42.9 %.*treat: culprit, least_stenosis_percent: 42\}"
     with pytest.raises(InputError, match=said):
         proposed(families, focal(21, 12, 42.9), least_percent=43)
@@ -169,13 +169,13 @@ def test_what_is_proposed_passes_the_check_of_given_plans(families):
         except InputError:
             refused += 1
             continue
-        made.append(sum(len(one.stents) for one in done[1].treated))
+        made.append(sum(len(one.stents) for one in done[1].treatments))
         plan.procedure(done[1].steps, families, done[0], "case")
     assert refused < 60 and max(made) >= 3 and made.count(2) > 15
 
 
 def test_nothing_to_propose(families):
-    summary, sections = drawn()
+    summary, sections = measured_vessel()
     with pytest.raises(
         InputError, match=r"no lesion(?s:.*)at 21.0 mm of main, is 64.0 % below(?s:.*)no healthy reference"
     ):
@@ -192,4 +192,4 @@ def test_nothing_to_propose(families):
     ],
 )
 def test_what_a_case_asks_for(plan_key, asked):
-    assert proposal.wanted(plan_key) == asked
+    assert proposal.requested_treatment(plan_key) == asked

@@ -16,7 +16,7 @@ TEST(Refine, KeepsVerticesTagsAndTopology) {
   EXPECT_TRUE(CGAL::is_closed(fine));
   for (Vertex v : mesh.vertices())
     EXPECT_EQ(fine.point(v), mesh.point(v));
-  const std::vector<End> ends = measured_ends(fine);
+  const std::vector<End> ends = measure_ends(fine);
   ASSERT_EQ(ends.size(), 2u);
   EXPECT_NEAR(ends[0].radius(), 1.5, 0.004);
 }

@@ -4,19 +4,29 @@ import json
 
 import numpy as np
 import pytest
-from registered_vessels import NONE, SHIFT, TURN, alone, moved, registered, straight, tree_of, vessel
+from registered_vessels import (
+    NO_LANDMARKS,
+    TRANSLATION,
+    ROTATION,
+    unbranched_tree,
+    moved,
+    registered,
+    straight,
+    tree_of,
+    vessel,
+)
 
-from anatomy.register import judge, run
+from anatomy.register import placement_checks, run
 from anatomy.register.placement import Placement, Target
-from anatomy.register.run import like
+from anatomy.register.run import like_document
 from common.errors import InputError
 
 
 def wrong_by(found, tree):
     """(mm, degrees) between the placement and the inverse of the motion."""
-    true = Placement(TURN.inv(), -TURN.inv().apply(SHIFT))
-    turn = np.degrees((found.placement.rotation * TURN).magnitude())
-    return found.placement.apart_mm(true, TURN.apply(tree.points) + SHIFT), turn
+    true = Placement(ROTATION.inv(), -ROTATION.inv().apply(TRANSLATION))
+    turn = np.degrees((found.placement.rotation * ROTATION).magnitude())
+    return found.placement.mean_distance_mm(true, ROTATION.apply(tree.points) + TRANSLATION), turn
 
 
 def test_moved_and_noised():
@@ -24,9 +34,9 @@ def test_moved_and_noised():
     distance, turn = wrong_by(found, vessel())
     assert distance < 0.05 and turn < 0.2, "of 60 mm and 40 degrees, noise of 0.05 mm a point"
     assert match.names == {"main": "main", "side1": "side1", "side2": "side2"}
-    assert not match.missing and not match.new
-    assert match.trimmed_mm < 0.1 and sum(last - first for first, last in match.shared.values()) > 80
-    assert judge.warnings(target, moved(vessel()), found, match, NONE) == []
+    assert not match.missing_branches and not match.new_branches
+    assert match.trimmed_mm < 0.1 and sum(last - first for first, last in match.shared_ranges.values()) > 80
+    assert placement_checks.warnings(target, moved(vessel()), found, match, NO_LANDMARKS) == []
 
 
 def test_cropped_at_both_ends_without_a_branch():
@@ -35,12 +45,12 @@ def test_cropped_at_both_ends_without_a_branch():
     found, match, target = registered(vessel(), post)
     distance, turn = wrong_by(found, vessel())
     assert distance < 0.1 and turn < 0.3
-    assert match.names == {"main": "main", "side1": "side2"} and match.missing == ["side1"]
-    start, end = match.shared["main"]
+    assert match.names == {"main": "main", "side1": "side2"} and match.missing_branches == ["side1"]
+    start, end = match.shared_ranges["main"]
     assert start == pytest.approx(7, abs=0.6) and end == pytest.approx(52, abs=0.6)
     with pytest.raises(InputError, match="side1 of `lumen` not found in `post`"):
-        judge.check_outlets("case: post", match, NONE)
-    named = like(post.summary, found.placement, match)["ends"]
+        placement_checks.check_outlets("case: post", match, NO_LANDMARKS)
+    named = like_document(post.summary, found.placement, match)["ends"]
     assert [(end["branch"], end["name"], end["region_id"]) for end in named] == [
         ("main", "inlet", 1),
         ("main", "outlet1", 2),
@@ -92,7 +102,7 @@ def test_a_straight_vessel_needs_a_landmark():
         registered(pre, post)
     found, match, _ = registered(pre, post, (np.array([[0, 0, 15.68]]), np.array([[0, 0, 19.75]])))
     assert found.placement.apply(np.array([[0, 0, 10.0]]))[0] == pytest.approx([0, 0, 5.93], abs=0.05)
-    assert match.shared["main"] == (0.0, 16.0)
+    assert match.shared_ranges["main"] == (0.0, 16.0)
 
 
 def test_the_command_refuses_a_landmark_far_from_its_vessel(repo_root, tmp_path, monkeypatch):
@@ -117,18 +127,18 @@ def test_a_landmark_lies_within_three_radii_of_its_vessel(key, away_mm, near):
     marks = {"pre_mm": np.array([[0, 0, 12.0]]), "post_mm": np.array([[0, 0, 16.0]])}
     marks[key] = marks[key] + [away_mm, 0, 0]
     if near:
-        judge.check_landmarks("case.yaml", straight(16), straight(20), tuple(marks.values()))
+        placement_checks.check_landmarks("case.yaml", straight(16), straight(20), tuple(marks.values()))
     else:
         with pytest.raises(InputError, match=f"(?s)far from its vessel.*case.yaml.*landmark 1, {key}.*4.6 mm from"):
-            judge.check_landmarks("case.yaml", straight(16), straight(20), tuple(marks.values()))
+            placement_checks.check_landmarks("case.yaml", straight(16), straight(20), tuple(marks.values()))
 
 
 def test_three_landmarks_decide_alone():
     marks = three_places()
-    found, _, _ = registered(vessel(), moved(vessel()), (marks, TURN.apply(marks) + SHIFT))
+    found, _, _ = registered(vessel(), moved(vessel()), (marks, ROTATION.apply(marks) + TRANSLATION))
     assert wrong_by(found, vessel())[0] < 1e-6
     with pytest.raises(InputError, match="a landmark does not fit.*\n.*landmark 2"):
-        other = TURN.apply(marks + [[0, 0, 0], [3, 0, 0], [0, 0, 0]]) + SHIFT
+        other = ROTATION.apply(marks + [[0, 0, 0], [3, 0, 0], [0, 0, 0]]) + TRANSLATION
         registered(vessel(), moved(vessel()), (marks, other))
 
 
@@ -138,21 +148,21 @@ def test_a_roughly_marked_landmark_does_not_spoil_a_good_fit(off_mm, said):
     pre, post = vessel(), moved(vessel(), noise=0.01)
     line = pre.branches["main"].points
     place = line[60:61] + off_mm * (line[61] - line[60]) / np.linalg.norm(line[61] - line[60])
-    marks = place, TURN.apply(line[60:61]) + SHIFT
+    marks = place, ROTATION.apply(line[60:61]) + TRANSLATION
     if said == "does not fit":
         with pytest.raises(InputError, match="a landmark does not fit"):
             registered(pre, post, marks)
         return
     found, match, target = registered(pre, post, marks)
     assert wrong_by(found, pre)[0] < 0.02
-    warned = judge.warnings(target, post, found, match, marks)
+    warned = placement_checks.warnings(target, post, found, match, marks)
     assert not warned if said is None else said in warned[0]
 
 
 def test_the_wrong_inlet_is_named():
     line = vessel().branches["main"]
     pre = tree_of({"main": line.points}, {})
-    post = tree_of({"main": (TURN.apply(line.points) + SHIFT)[::-1]}, {})
+    post = tree_of({"main": (ROTATION.apply(line.points) + TRANSLATION)[::-1]}, {})
     with pytest.raises(InputError, match="better the other way round(.|\n)*post.inlet_point_mm"):
         registered(pre, post)
 
@@ -161,10 +171,10 @@ def test_the_wrong_inlet_is_named():
 def test_a_mirrored_vessel_is_refused(marked):
     """A single vessel of 60 mm and its mirror image lie within 0.15 radii of each other, which passed before."""
     line = vessel().branches["main"].points
-    mirrored = TURN.apply(line * [1, 1, -1]) + SHIFT
-    marks = (line[[30]], mirrored[[30]]) if marked else NONE
+    mirrored = ROTATION.apply(line * [1, 1, -1]) + TRANSLATION
+    marks = (line[[30]], mirrored[[30]]) if marked else NO_LANDMARKS
     with pytest.raises(InputError, match="mirror image(.|\n)*negate one of its coordinates"):
-        registered(alone(line), alone(mirrored), marks)
+        registered(unbranched_tree(line), unbranched_tree(mirrored), marks)
 
 
 def test_a_mirror_image_that_two_landmarks_make_nearly_fit_is_refused():
@@ -174,7 +184,7 @@ def test_a_mirror_image_that_two_landmarks_make_nearly_fit_is_refused():
     side = main[30] + np.arange(0, 12, 0.5)[:, None] * np.array([0.1, 0.8, 0.59])
     pre = tree_of({"main": main, "side1": side}, {"side1": ("main", 30)})
     lines = {"main": main, "side1": side}
-    other = {name: TURN.apply(points * [1, -1, 1]) + SHIFT for name, points in lines.items()}
+    other = {name: ROTATION.apply(points * [1, -1, 1]) + TRANSLATION for name, points in lines.items()}
     post = tree_of(other, {"side1": ("main", 30)})
     marks = main[[10, 60]], other["main"][[10, 60]]
     with pytest.raises(InputError, match="mirror image"):
@@ -186,22 +196,24 @@ def test_the_landmark_that_spoils_a_good_fit_is_named():
     pre, post = vessel(), moved(vessel())
     at = pre.branches["main"].points[[20]]
     with pytest.raises(InputError, match="(?s)a landmark does not fit.*landmark 1.*3.4[0-9]* mm off where"):
-        judge._check_fits_without("post", Target(pre), post, (at + [[0, 3.4, 0]], TURN.apply(at) + SHIFT))
+        placement_checks._check_fit_without_landmarks(
+            "post", Target(pre), post, (at + [[0, 3.4, 0]], ROTATION.apply(at) + TRANSLATION)
+        )
     other = tree_of({"main": vessel(7).branches["main"].points}, {})  # another vessel: no landmark is to blame
-    judge._check_fits_without("post", Target(pre), other, (at, at))
+    placement_checks._check_fit_without_landmarks("post", Target(pre), other, (at, at))
 
 
 def test_a_vessel_of_another_scale_is_warned_of():
     line = vessel().branches["main"].points
-    post = alone(TURN.apply(1.1 * line) + SHIFT)
-    found, match, target = registered(alone(line), post)
-    (said,) = judge.warnings(target, post, found, match, NONE)
+    post = unbranched_tree(ROTATION.apply(1.1 * line) + TRANSLATION)
+    found, match, target = registered(unbranched_tree(line), post)
+    (said,) = placement_checks.warnings(target, post, found, match, NO_LANDMARKS)
     assert "may be another vessel, another scale" in said
 
 
 def test_like_is_json():
     found, match, _ = registered(vessel(), moved(vessel()))
-    assert json.loads(json.dumps(like(vessel().summary, found.placement, match)))["schema"] == "vci-anatomy-1"
+    assert json.loads(json.dumps(like_document(vessel().summary, found.placement, match)))["schema"] == "vci-anatomy-1"
 
 
 @pytest.mark.parametrize("bow_mm, fits", [(1.0, True), (2.5, False)])
@@ -210,11 +222,11 @@ def test_how_much_a_vessel_may_have_changed_its_course(bow_mm, fits):
     line = vessel().branches["main"].points
     s = np.linspace(0, 2 * np.pi, len(line))
     bowed = line + bow_mm * np.sin(1.5 * s)[:, None] * np.array([0.0, 0.0, 1.0])
-    pre, post = tree_of({"main": line}, {}), tree_of({"main": TURN.apply(bowed) + SHIFT}, {})
+    pre, post = tree_of({"main": line}, {}), tree_of({"main": ROTATION.apply(bowed) + TRANSLATION}, {})
     if fits:
         found, match, target = registered(pre, post)
         assert match.trimmed_mm > 0.15 * match.usual_radius_mm, "a hard case"
-        assert judge.warnings(target, post, found, match, NONE)
+        assert placement_checks.warnings(target, post, found, match, NO_LANDMARKS)
     else:
         with pytest.raises(InputError, match="at most 0.3 of 1.[0-9]* mm"):
             registered(pre, post)
@@ -226,7 +238,7 @@ def test_how_much_of_a_vessel_must_be_seen_afterwards(last, fits):
     post = moved(vessel(), keep={"main": slice(20, last), "side1": None, "side2": None})
     if fits:
         found, match, _ = registered(vessel(), post)
-        assert wrong_by(found, vessel())[0] < 0.3 and match.missing == ["side1", "side2"]
+        assert wrong_by(found, vessel())[0] < 0.3 and match.missing_branches == ["side1", "side2"]
     else:
         with pytest.raises(InputError, match="(?s)does not fit.*59 % of both lumens' axes.*60 % are wanted.*landmarks"):
             registered(vessel(), post)
@@ -237,8 +249,8 @@ def test_landmarks_allow_a_vessel_twice_the_change_of_its_course(bow_mm, fits):
     """The vessel of the test before, bowed beyond what axes alone allow; three places say how it lies."""
     line, at = vessel().branches["main"].points, [5, 60, 110]
     bowed = line + bow_mm * np.sin(1.5 * np.linspace(0, 2 * np.pi, len(line)))[:, None] * np.array([0.0, 0.0, 1.0])
-    pre, post = tree_of({"main": line}, {}), tree_of({"main": TURN.apply(bowed) + SHIFT}, {})
-    marks = line[at], TURN.apply(bowed[at]) + SHIFT
+    pre, post = tree_of({"main": line}, {}), tree_of({"main": ROTATION.apply(bowed) + TRANSLATION}, {})
+    marks = line[at], ROTATION.apply(bowed[at]) + TRANSLATION
     if fits:
         _, match, _ = registered(pre, post, marks)
         assert match.trimmed_mm > 0.5 * match.usual_radius_mm, "a hard case"
@@ -252,20 +264,20 @@ def test_one_landmark_helps_where_the_axes_do_not_fit(bow_mm):
     """A robust loss on the landmark itself once made its pull vanish, so that .25 of the axes lay on each other."""
     line, at = vessel().branches["main"].points, [30]
     bowed = line + bow_mm * np.sin(1.5 * np.linspace(0, 2 * np.pi, len(line)))[:, None] * np.array([0.0, 0.0, 1.0])
-    pre, post = tree_of({"main": line}, {}), tree_of({"main": TURN.apply(bowed) + SHIFT}, {})
+    pre, post = tree_of({"main": line}, {}), tree_of({"main": ROTATION.apply(bowed) + TRANSLATION}, {})
     if bow_mm > 1.5:
         with pytest.raises(InputError):
             registered(pre, post)
-    found, match, _ = registered(pre, post, (line[at], TURN.apply(bowed[at]) + SHIFT))
+    found, match, _ = registered(pre, post, (line[at], ROTATION.apply(bowed[at]) + TRANSLATION))
     assert match.trimmed_mm < 0.45 * match.usual_radius_mm
-    assert np.linalg.norm(found.placement.apply(TURN.apply(bowed) + SHIFT) - line, axis=1).mean() < 1.2
+    assert np.linalg.norm(found.placement.apply(ROTATION.apply(bowed) + TRANSLATION) - line, axis=1).mean() < 1.2
 
 
 def test_a_landmark_does_not_push_aside_axes_that_fit():
     """It is a millimetre off across the vessel: the axes stay within a fifth of that."""
     pre, post = vessel(), moved(vessel())
     at = pre.branches["main"].points[[40]]
-    marks = at + [[0.0, 0.0, 1.0]], TURN.apply(at) + SHIFT
+    marks = at + [[0.0, 0.0, 1.0]], ROTATION.apply(at) + TRANSLATION
     found, _, _ = registered(pre, post, marks)
     assert wrong_by(found, pre)[0] < 0.2
 
@@ -274,9 +286,9 @@ def test_a_landmark_does_not_push_aside_axes_that_fit():
 def test_a_landmark_may_be_off_by_a_usual_radius(moved_mm, fits):
     """One of three lies elsewhere in the second lumen; the best fit leaves it 0.99 or 1.08 radii off."""
     marks = three_places()
-    after = TURN.apply(marks + [[0, 0, 0], [moved_mm, 0, 0], [0, 0, 0]]) + SHIFT
+    after = ROTATION.apply(marks + [[0, 0, 0], [moved_mm, 0, 0], [0, 0, 0]]) + TRANSLATION
     if fits:
-        assert registered(vessel(), moved(vessel()), (marks, after))[1].missing == []
+        assert registered(vessel(), moved(vessel()), (marks, after))[1].missing_branches == []
     else:
         with pytest.raises(InputError, match="(?s)a landmark does not fit.*landmark 2.*1.4[0-9] mm off, at most 1.35"):
             registered(vessel(), moved(vessel()), (marks, after))

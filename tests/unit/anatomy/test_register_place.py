@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from registered_vessels import SHIFT, TURN, alone, bent, moved, registered, straight, vessel
+from registered_vessels import TRANSLATION, ROTATION, unbranched_tree, bent, moved, registered, straight, vessel
 from scipy.spatial.transform import Rotation
 
-from anatomy.register import judge, sliding
-from anatomy.register.match import matched
+from anatomy.register import placement_checks, sliding
+from anatomy.register.match import match_branches
 from anatomy.register.placement import Placement, Target
 from anatomy.register.tree import STEP_MM, Line, Tree
 from common.errors import InputError
@@ -29,16 +29,16 @@ def test_narrow_bends_fix_the_place_though_the_vessel_is_nearly_straight():
 
     def wound(first, last):
         z = np.arange(first, last, STEP_MM)
-        return alone(np.column_stack([0.3 * np.cos(z), 0.3 * np.sin(0.75 * z), z]))
+        return unbranched_tree(np.column_stack([0.3 * np.cos(z), 0.3 * np.sin(0.75 * z), z]))
 
     target, piece = Target(wound(0, 22)), wound(3, 19)
     in_place = Placement(Rotation.identity(), np.zeros(3))
-    match = matched(target, piece, in_place)
-    assert not sliding.slides(target, piece, in_place, match)
+    match = match_branches(target, piece, in_place)
+    assert not sliding.fits_after_sliding(target, piece, in_place, match)
     # a lone landmark may be wrong, and the slid residual is then that of a wrong place: the user is told
-    assert sliding.may_slide(target, piece, in_place, match)
+    assert sliding.depends_on_landmark(target, piece, in_place, match)
     target, piece = Target(bent(0, 22)), bent(3, 19)
-    assert sliding.slides(target, piece, in_place, matched(target, piece, in_place))
+    assert sliding.fits_after_sliding(target, piece, in_place, match_branches(target, piece, in_place))
 
 
 def test_a_lone_landmark_on_a_straight_vessel_is_warned_of():
@@ -46,14 +46,14 @@ def test_a_lone_landmark_on_a_straight_vessel_is_warned_of():
     pre, post = straight(16), straight(20)
     marks = np.array([[0, 0, 15.68]]), np.array([[0, 0, 16.75]])
     found, match, target = registered(pre, post, marks)
-    (said,) = judge.warnings(target, post, found, match, marks)
+    (said,) = placement_checks.warnings(target, post, found, match, marks)
     assert "nothing but the landmark fixes the place along a straight vessel" in said
     two = tuple(np.vstack([mark, mark - [[0, 0, 9]]]) for mark in marks)
-    assert judge.warnings(target, post, found, match, two) == []
+    assert placement_checks.warnings(target, post, found, match, two) == []
     at = vessel().branches["main"].points[[40]]
-    marks, post = (at, TURN.apply(at) + SHIFT), moved(vessel())
+    marks, post = (at, ROTATION.apply(at) + TRANSLATION), moved(vessel())
     found, match, target = registered(vessel(), post, marks)
-    assert judge.warnings(target, post, found, match, marks) == []
+    assert placement_checks.warnings(target, post, found, match, marks) == []
 
 
 @pytest.mark.parametrize("marks_mm", [[15.68], [15.68, 6.0]])

@@ -3,13 +3,13 @@
 import json
 
 import pytest
-from narrowed_vessels import drawn, focal, plateau, worst_of
+from narrowed_vessels import measured_vessel, focal, plateau, worst_of
 
 from anatomy.planning import proposal, remarks
 
 
 def said(families, *narrowings, treat="culprit", **shape):
-    summary, sections = drawn(*narrowings, **shape)
+    summary, sections = measured_vessel(*narrowings, **shape)
     return remarks.of_proposal(summary, proposal.propose(summary, sections, families, "case", treat))
 
 
@@ -103,7 +103,7 @@ def test_a_vessel_wider_than_the_largest_stent(families):
 
 
 def test_the_command_says_them(run_module, repo_root, written, tmp_path):
-    folder, case = written(*drawn(focal(21, 12, 34))), repo_root / "config" / "cases" / "real_artery.yaml"
+    folder, case = written(*measured_vessel(focal(21, 12, 34))), repo_root / "config" / "cases" / "real_artery.yaml"
     done = run_module("anatomy", "plan", case, "--anatomy", folder, "--out", tmp_path / "plan.json")
     assert done.returncode == 0 and "warning: " in done.stderr and "34.0 % only" in done.stderr
     (kept,) = json.loads((tmp_path / "plan.json").read_text())["reference"]["remarks"]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from narrowed_vessels import drawn, focal, plateau
+from narrowed_vessels import measured_vessel, focal, plateau
 
 from anatomy.planning import landing, sizing, targets
 from common.errors import InputError
@@ -10,10 +10,12 @@ from common.errors import InputError
 
 def planned(families, proximal, distal, length=15):
     """The one stent for a focal lesion between two lumens, mm."""
-    (target,) = targets.found(
-        *drawn(focal(21, 8 if length > 12 else 3, 80), healthy=lambda s: proximal + (distal - proximal) * (s > 21))
+    (target,) = targets.targets_to_treat(
+        *measured_vessel(
+            focal(21, 8 if length > 12 else 3, 80), healthy=lambda s: proximal + (distal - proximal) * (s > 21)
+        )
     )
-    return sizing.sized(target.profile, landing.spans(target, [length], "case"), families, "case")[0]
+    return sizing.size_stents(target.profile, landing.stent_spans(target, [length], "case"), families, "case")[0]
 
 
 @pytest.mark.parametrize(
@@ -32,7 +34,9 @@ def planned(families, proximal, distal, length=15):
 )
 def test_stent_by_the_distal_lumen(families, proximal, distal, size):
     stent = planned(families, proximal, distal)
-    assert stent.diameter == size and (stent.proximal, stent.distal) == pytest.approx((proximal, distal))
+    assert stent.diameter == size and (stent.proximal_reference, stent.distal_reference) == pytest.approx(
+        (proximal, distal)
+    )
 
 
 @pytest.mark.parametrize(
@@ -82,10 +86,12 @@ def test_post_dilatation_does_not_overstretch_the_distal_reference(families):
 
 
 def test_between_two_stents_the_vessels_reference_counts(families):
-    (target,) = targets.found(*drawn(plateau(10, 50, 70), length=70.0, healthy=lambda s: 4.0 - 0.02 * s))
-    distal, proximal = sizing.sized(target.profile, landing.spans(target, [28], "case"), families, "case")
+    (target,) = targets.targets_to_treat(
+        *measured_vessel(plateau(10, 50, 70), length=70.0, healthy=lambda s: 4.0 - 0.02 * s)
+    )
+    distal, proximal = sizing.size_stents(target.profile, landing.stent_spans(target, [28], "case"), families, "case")
     joint = 0.5 * (proximal.span.end + distal.span.start)
-    assert distal.proximal == proximal.distal == pytest.approx(4.0 - 0.02 * joint, abs=1e-3)
+    assert distal.proximal_reference == proximal.distal_reference == pytest.approx(4.0 - 0.02 * joint, abs=1e-3)
 
 
 def test_post_dilatation_does_not_open_a_stent_beyond_its_design(families):
@@ -97,9 +103,9 @@ def test_post_dilatation_does_not_open_a_stent_beyond_its_design(families):
 def test_in_a_row_the_balloon_ends_before_a_stent_that_it_would_over_expand(families):
     """The distal stent of 2.75 mm opens to 3.5 mm; the vessel is 3.75 mm wide at the proximal stent's beginning."""
     taper = {"length": 70.0, "healthy": lambda s: np.interp(s, [8, 30, 53], [3.75, 3.35, 2.7])}
-    (target,) = targets.found(*drawn(plateau(10, 50, 70), **taper))
-    distal, proximal = sizing.sized(target.profile, landing.spans(target, [28], "case"), families, "case")
-    assert (distal.diameter, distal.limit, proximal.limit_distal) == (2.75, 3.5, 3.5)
+    (target,) = targets.targets_to_treat(*measured_vessel(plateau(10, 50, 70), **taper))
+    distal, proximal = sizing.size_stents(target.profile, landing.stent_spans(target, [28], "case"), families, "case")
+    assert (distal.diameter, distal.limit, proximal.distal_limit) == (2.75, 3.5, 3.5)
     diameter, length, centre, _ = sizing.postdilatation(families, proximal, "case")
     assert diameter == 3.75 and length > 15 and centre + length / 2 <= distal.span.start
 
@@ -116,8 +122,8 @@ def test_in_a_row_the_balloon_ends_before_a_stent_that_it_would_over_expand(fami
     ],
 )
 def test_a_balloon_alone_is_as_wide_as_the_lumen(families, distal, balloon):
-    (target,) = targets.found(*drawn(focal(21, 8, 80), healthy=lambda s: distal + 0 * s))
-    found = sizing.alone(families, target, "case")
+    (target,) = targets.targets_to_treat(*measured_vessel(focal(21, 8, 80), healthy=lambda s: distal + 0 * s))
+    found = sizing.balloon_alone(families, target, "case")
     if balloon is None:
         assert found is None
     else:
@@ -128,6 +134,6 @@ def test_a_balloon_alone_is_as_wide_as_the_lumen(families, distal, balloon):
 
 
 def test_a_balloon_alone_stays_inside_its_branch(families):
-    (target,) = targets.found(*drawn(plateau(1.5, 7.5, 80), healthy=lambda s: 1.6 + 0 * s))
-    (device,) = sizing.alone(families, target, "case")["devices"]
+    (target,) = targets.targets_to_treat(*measured_vessel(plateau(1.5, 7.5, 80), healthy=lambda s: 1.6 + 0 * s))
+    (device,) = sizing.balloon_alone(families, target, "case")["devices"]
     assert device["centre_s_mm"] == 7.5 and device["length_mm"] == 12

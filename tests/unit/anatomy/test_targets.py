@@ -8,7 +8,7 @@ from anatomy.planning.profile import Profile
 
 
 def found(vessel, *narrowings, **shape):
-    return targets.found(*vessel(*narrowings, **shape))
+    return targets.targets_to_treat(*vessel(*narrowings, **shape))
 
 
 def test_a_stretch_ends_where_the_narrowing_falls_below_30_percent(vessel):
@@ -36,9 +36,9 @@ def test_significant_lesions_only_or_all_where_there_is_none(vessel):
 
 def test_lesions_of_what_the_case_asks_for(vessel):
     three = vessel(focal(12, 8, 60), focal(30, 8, 75), focal(43, 8, 40))
-    assert [target.name for target in targets.found(*three, 70)] == ["lesion1"]
-    assert [target.percent for target in targets.found(*three, 39)] == pytest.approx([75, 60, 40], abs=0.1)
-    assert targets.found(*three, 80) == [] and len(targets.every(*three)) == 3
+    assert [target.name for target in targets.targets_to_treat(*three, 70)] == ["lesion1"]
+    assert [target.percent for target in targets.targets_to_treat(*three, 39)] == pytest.approx([75, 60, 40], abs=0.1)
+    assert targets.targets_to_treat(*three, 80) == [] and len(targets.all_targets(*three)) == 3
 
 
 @pytest.mark.parametrize("second, together", [(27.5, True), (30.0, False)])
@@ -59,11 +59,11 @@ def test_lumen_beyond_an_end_leaves_out_mouths(vessel):
     lumens = {"healthy": lambda s: 3 + 0 * s, "lumen": lambda s: 3 + 0 * s + (abs(s - 20) < 1)}
     summary, sections = vessel(focal(15, 8, 70), sides=((20.0, 2.0),), **lumens)
     profile = Profile(summary, sections, "main")
-    assert profile.lumen_beyond(18.0, 1) == pytest.approx(3.0)
-    assert profile.lumen_beyond(19.5, 1) == pytest.approx(3.0) and profile.in_a_mouth(19.5) == "side1"
+    assert profile.reference_lumen_mm(18.0, 1) == pytest.approx(3.0)
+    assert profile.reference_lumen_mm(19.5, 1) == pytest.approx(3.0) and profile.mouth_at(19.5) == "side1"
 
 
 @pytest.mark.parametrize("share, told", [(1.0, 3.0), (0.9, 2.7), (0.7, 2.55), (1.8, 3.15)])
 def test_diseased_or_dilated_lumen_does_not_tell_the_vessels_size(vessel, share, told):
     summary, sections = vessel(focal(15, 8, 70), healthy=lambda s: 3 + 0 * s, lumen=lambda s: share * 3 + 0 * s)
-    assert Profile(summary, sections, "main").lumen_beyond(30, 1) == pytest.approx(told)
+    assert Profile(summary, sections, "main").reference_lumen_mm(30, 1) == pytest.approx(told)

@@ -22,7 +22,7 @@ Measured measured(const shapes::Tube& tube) {
   Measured out;
   out.mesh = repaired(shapes::soup_of(tube), repairs);
   shapes::tag_ends(out.mesh);
-  out.ends = measured_ends(out.mesh);
+  out.ends = measure_ends(out.mesh);
   const std::size_t inlet = inlet_of(out.ends, tube.axis(0));
   const WallTree wall(out.mesh);
   out.branches = build_tree(voronoi_paths(out.mesh, out.ends, inlet), out.ends, inlet, wall, 0.25, {});

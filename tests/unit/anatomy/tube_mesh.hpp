@@ -8,7 +8,7 @@
 namespace anatomy::shapes {
 
 /// Tags the ends of a closed mesh as the program finds them; returns what it looked at.
-inline std::vector<Candidate> tag_ends(Mesh& mesh, const NamedEnds& named = {}) {
+inline std::vector<EndCandidate> tag_ends(Mesh& mesh, const NamedEnds& named = {}) {
   std::vector<Repair> repairs;
   return find_ends(mesh, named, 0, repairs);
 }
@@ -17,7 +17,7 @@ inline Mesh mesh_of(const Tube& tube) {
   std::vector<Repair> repairs;
   Mesh mesh = repaired(soup_of(tube), repairs);
   tag_ends(mesh);
-  measured_ends(mesh);
+  measure_ends(mesh);
   return mesh;
 }
 

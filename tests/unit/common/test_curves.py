@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from common.implicit.curves import Curve, integrate
+from common.implicit.curves import Curve, curve_from_curvatures
 
 
 @pytest.fixture
@@ -43,6 +43,6 @@ def test_nearest_runs_straight_beyond_the_ends(helix):
 
 def test_integrated_curvature_is_that_of_the_curve():
     step, count = 0.1, 301
-    curve = Curve(integrate(np.full(count, 0.1), np.zeros(count), step))
+    curve = Curve(curve_from_curvatures(np.full(count, 0.1), np.zeros(count), step))
     assert curve.length_mm == pytest.approx(30, rel=1e-4)
     assert np.abs(curve.curvature(np.linspace(1, 29, 20)) - 0.1).max() < 2e-4

@@ -24,17 +24,17 @@ def _headings(text):
     return {name: line.split(" | ") for name, line in found}
 
 
-def _made(module):
+def _written_headings(module):
     """{table: the headings that it is written with}."""
     headings = {name: list(columns.values()) for name, (_, columns) in module.TABLES.items()}
     return headings | ({module.STUDY: list(module.STUDY_COLUMNS)} if hasattr(module, "STUDY") else {})
 
 
 PAGES = {part: _tables(part) for part in ("flow", "vci")}
-PLACES = [(part, name) for part, module in PAGES.items() for name in sorted(_made(module))]
+PLACES = [(part, name) for part, module in PAGES.items() for name in sorted(_written_headings(module))]
 
 
 @pytest.mark.parametrize(("part", "name"), PLACES)
 def test_a_table_has_the_headings_that_it_is_made_with(part, name):
     found = _headings((ROOT / part / "measured.md").read_text())
-    assert found[name] == _made(PAGES[part])[name], f"{part}/measured.md: write the table {name} anew"
+    assert found[name] == _written_headings(PAGES[part])[name], f"{part}/measured.md: write the table {name} anew"

@@ -18,19 +18,19 @@ NAMES = ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES")
     [
         (["sse2", "avx"], None, None),
         (["sse2", "avx2"], None, None),
-        (AVX2, processor.KERNEL, None),
-        ([*AVX2, "avx512f", "avx512cd", "avx512dq"], processor.KERNEL, "AVX512F,AVX512CD,AVX512_SKX"),
+        (AVX2, processor.OPENBLAS_KERNEL, None),
+        ([*AVX2, "avx512f", "avx512cd", "avx512dq"], processor.OPENBLAS_KERNEL, "AVX512F,AVX512CD,AVX512_SKX"),
     ],
 )
 def test_functions_for_avx2_are_chosen_where_they_run(flags, kernel, disabled):
     environment = {}
-    processor.same_digits(environment, flags)
+    processor.limit_to_avx2(environment, flags)
     assert [environment.get(name) for name in NAMES] == [kernel, disabled]
 
 
 def test_the_users_choice_stays():
     environment = {"OPENBLAS_CORETYPE": "Prescott", "NPY_DISABLE_CPU_FEATURES": ""}
-    processor.same_digits(environment, [*AVX2, "avx512f"])
+    processor.limit_to_avx2(environment, [*AVX2, "avx512f"])
     assert [environment[name] for name in NAMES] == ["Prescott", ""]
 
 
@@ -38,14 +38,14 @@ def test_the_users_choice_stays():
 def test_every_part_chooses_before_numpy_is_loaded(repo_root, part):
     """Importing the part alone sets what this processor needs, and loads no numpy before."""
     expected = {}
-    processor.same_digits(expected, processor.features())
+    processor.limit_to_avx2(expected, processor.cpu_flags())
     environment = {key: value for key, value in os.environ.items() if key not in NAMES}
     look = f"import {part}, os, sys; print([os.environ.get(n) for n in {NAMES}], 'numpy' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", look], **how(repo_root, environment))
+    done = subprocess.run([sys.executable, "-c", look], **chosen_kernels(repo_root, environment))
     assert done.stdout.strip() == f"{[expected.get(name) for name in NAMES]} False"
 
 
-def how(folder, environment):
+def chosen_kernels(folder, environment):
     return {"cwd": folder, "env": environment, "capture_output": True, "text": True, "check": True}
 
 
@@ -56,7 +56,7 @@ def test_numpy_takes_no_function_for_avx_512(repo_root):
         "import common, numpy; from numpy.core._multiarray_umath import __cpu_features__ as found;"
         " print([name for name in found if name.startswith('AVX512') and found[name]])"
     )
-    done = subprocess.run([sys.executable, "-W", "always", "-c", look], **how(repo_root, environment))
-    if {"avx2", "fma"} <= set(processor.features()):
-        assert set(ast.literal_eval(done.stdout)).isdisjoint(processor.AVX512)
+    done = subprocess.run([sys.executable, "-W", "always", "-c", look], **chosen_kernels(repo_root, environment))
+    if {"avx2", "fma"} <= set(processor.cpu_flags()):
+        assert set(ast.literal_eval(done.stdout)).isdisjoint(processor.AVX512_FLAGS)
     assert "NPY_DISABLE" not in done.stderr

@@ -33,7 +33,7 @@ def document(data):
     return yaml_reader.Document("a.yaml", data, {(): 1})
 
 
-def refusal(data):
+def refusal_text(data):
     with pytest.raises(InputError) as error:
         schema.validate(document(data), RULES)
     return str(error.value)
@@ -73,7 +73,7 @@ def test_valid_document_passes():
     ],
 )
 def test_refused_in_plain_words(data, words):
-    text = refusal(data)
+    text = refusal_text(data)
     for word in words:
         assert word in text, text
 

@@ -28,7 +28,7 @@ def test_a_surface_and_its_arrays_come_back_exactly(tmp_path):
     vtp.add_array(poly.GetCellData(), "region_id", np.array([0, 1, 2, 3], np.int32))
     vtp.write(tmp_path / "new" / "lumen.vtp", poly)
     found = vtp.read_triangles(tmp_path / "new" / "lumen.vtp", "make it")
-    points, triangles = vtp.arrays(found)
+    points, triangles = vtp.points_and_triangles(found)
     assert np.array_equal(points, POINTS) and np.array_equal(triangles, TRIANGLES)
     assert found.GetPointData().GetArray("radius_mm").GetValue(3) == 1 / 7
     assert found.GetCellData().GetArray("region_id").GetValue(2) == 2

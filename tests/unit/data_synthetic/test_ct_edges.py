@@ -19,14 +19,14 @@ def profiles_of(volume, spacing=0.25):
 @pytest.mark.parametrize("voxel", [0.35, 0.5])
 def test_psf_edge_is_unbiased_on_blurred_tubes(ct_tubes, radius, voxel):
     volume = ct_tubes.tube_image(radius, voxel, SIGMA)
-    found, replaced = edges.find(profiles_of(volume), "psf_edge", 400.0, SIGMA)
+    found, replaced = edges.find_edges(profiles_of(volume), "psf_edge", 400.0, SIGMA)
     assert found[8:-8].mean() == pytest.approx(radius, abs=0.03)
     assert found[8:-8].std() < 0.02 and not replaced.any()
 
 
 def test_half_maximum_is_biased_in_the_known_direction(ct_tubes):
     """In a wide tube the level of the true edge is below one half: half maximum lies inside it."""
-    found, _ = edges.find(profiles_of(ct_tubes.tube_image(1.6, 0.35, SIGMA)), "half_maximum", 400.0)
+    found, _ = edges.find_edges(profiles_of(ct_tubes.tube_image(1.6, 0.35, SIGMA)), "half_maximum", 400.0)
     assert 1.5 < found.mean() < 1.59
 
 
@@ -45,13 +45,13 @@ def test_point_spread_is_measured(ct_tubes, sigma):
     noise = np.random.default_rng(2).normal(0, 25, volume.values.shape)
     volume.values = volume.values + noise
     profiles = profiles_of(volume)
-    radius, _ = edges.find(profiles, "half_maximum", 400.0)
+    radius, _ = edges.find_edges(profiles, "half_maximum", 400.0)
     assert edges.point_spread(profiles, radius, 400.0) == pytest.approx(sigma, rel=0.06)
 
 
 def test_a_narrow_vessel_tells_nothing_of_the_point_spread(ct_tubes):
     profiles = profiles_of(ct_tubes.tube_image(0.8, 0.35, SIGMA))
-    radius, _ = edges.find(profiles, "half_maximum", 400.0)
+    radius, _ = edges.find_edges(profiles, "half_maximum", 400.0)
     assert edges.point_spread(profiles, radius, 400.0) is None
 
 
@@ -67,7 +67,7 @@ def test_rays_into_a_side_branch_are_replaced_by_their_neighbours():
     radius = np.full((20, 32), 1.5)
     radius[8:12, 5:9] = 3.0
     radius[3, 20] = np.nan
-    tidy, replaced = edges.tidy(radius)
+    tidy, replaced = edges.replace_outliers(radius)
     assert np.allclose(tidy, 1.5)
     assert replaced[8:12, 5:9].all() and replaced[3, 20] and replaced.sum() == 17
 
@@ -75,10 +75,10 @@ def test_rays_into_a_side_branch_are_replaced_by_their_neighbours():
 def test_filter_keeps_cubics_and_few_harmonics():
     s, theta = np.arange(0, 20, 0.25), np.linspace(0, 2 * np.pi, 32, endpoint=False)
     radius = 1.5 + 0.001 * (s - 9)[:, None] ** 3 + 0.2 * np.cos(3 * theta)
-    assert np.allclose(edges.filtered(radius, s), radius)
+    assert np.allclose(edges.smooth_radii(radius, s), radius)
     rough = radius + 0.1 * np.cos(9 * theta)
-    assert np.allclose(edges.filtered(rough, s), radius)
-    assert np.allclose(edges.along(radius, s, derivative=2), (0.006 * (s - 9))[:, None], atol=1e-9)
+    assert np.allclose(edges.smooth_radii(rough, s), radius)
+    assert np.allclose(edges.smooth_along(radius, s, derivative=2), (0.006 * (s - 9))[:, None], atol=1e-9)
 
 
 def test_calcium_beside_the_lumen_does_not_count_as_lumen(ct_tubes):
@@ -88,7 +88,7 @@ def test_calcium_beside_the_lumen_does_not_count_as_lumen(ct_tubes):
     stone = np.exp(-0.5 * (((x - 1.55) / 0.35) ** 2 + (y / 0.6) ** 2))
     volume.values = volume.values + 700 * np.broadcast_to(stone, volume.values.shape)
     profiles = profiles_of(volume)
-    radius, _ = edges.find(profiles, "psf_edge", 400.0, SIGMA)
+    radius, _ = edges.find_edges(profiles, "psf_edge", 400.0, SIGMA)
     assert radius[:, 0] == pytest.approx(1.0, abs=0.15)
     assert np.sqrt((radius**2).mean()) == pytest.approx(1.0, abs=0.1)
 
@@ -114,24 +114,24 @@ def calcified_image(degrees, gap_mm, hu=1000.0, thick_mm=0.8, noise=20.0, voxel=
 @pytest.mark.parametrize("degrees", [120, 180, 270, 360])
 def test_an_arc_of_calcium_is_no_stent_and_no_lumen(degrees, gap_mm):
     profiles = profiles_of(calcified_image(degrees, gap_mm))
-    calcium, _, stent = edges.bright(profiles, 400.0)
+    calcium, _, stent = edges.bright_rays(profiles, 400.0)
     middle = np.abs(profiles.s_mm - 6) < 2
     assert not stent.any() and calcium[middle].mean() > 0.8 * degrees / 360
-    radius, _ = edges.find(profiles, "psf_edge", 400.0, np.hypot(SIGMA, 0.4 / np.sqrt(12)))
+    radius, _ = edges.find_edges(profiles, "psf_edge", 400.0, np.hypot(SIGMA, 0.4 / np.sqrt(12)))
     area = np.mean(radius[middle] ** 2) / 1.6**2
     assert 0.8 < area < 1.1
 
 
 def test_only_a_vessel_called_stented_has_a_stent():
     profiles = profiles_of(calcified_image(360, 0.0))
-    assert edges.bright(profiles, 400.0, stented=True)[2].any()
-    assert not edges.bright(profiles, 400.0)[2].any()
+    assert edges.bright_rays(profiles, 400.0, stented=True)[2].any()
+    assert not edges.bright_rays(profiles, 400.0)[2].any()
 
 
 @pytest.mark.parametrize("noise", [25, 80])
 def test_noise_is_no_calcium(noise):
     profiles = profiles_of(calcified_image(0, 0.3, noise=noise))
-    assert edges.bright(profiles, 400.0)[0].mean() < 0.01
+    assert edges.bright_rays(profiles, 400.0)[0].mean() < 0.01
 
 
 def test_noise_is_measured_beside_a_slow_fall_of_the_blood():
@@ -158,9 +158,9 @@ def test_noise_is_not_the_blur_of_a_long_narrow_lumen():
 )
 def test_the_edge_inside_calcium_is_fitted(radius, gap, thick, hu):
     r = np.arange(0, 4, 0.05)
-    stone = stented.disc(r, radius + gap + thick, SIGMA) - stented.disc(r, radius + gap, SIGMA)
-    rays = 50 + 350 * stented.disc(r, radius, SIGMA) + (hu - 50) * stone
-    many = np.repeat(rays[None], calcified.TOGETHER + 3, axis=0)
+    stone = stented.blurred_disc(r, radius + gap + thick, SIGMA) - stented.blurred_disc(r, radius + gap, SIGMA)
+    rays = 50 + 350 * stented.blurred_disc(r, radius, SIGMA) + (hu - 50) * stone
+    many = np.repeat(rays[None], calcified.RAYS_PER_BATCH + 3, axis=0)
     assert calcified.fit(many, r, 400.0, 50.0, SIGMA) == pytest.approx(radius, abs=0.051)
     assert len(calcified.fit(many[:0], r, 400.0, 50.0, SIGMA)) == 0
 
@@ -169,8 +169,8 @@ def test_the_edge_inside_calcium_is_fitted(radius, gap, thick, hu):
 def test_shell_fit_finds_the_wall_behind_metal(metal):
     r = np.arange(0, 4, 0.05)
     true = np.array([[1.4, 1.55, 1.83]])
-    ring = [stented.shell(r, radius - stented.STRUT_CENTRE_MM, SIGMA) for radius in true[0]]
-    blood = [50 + 350 * stented.disc(r, radius, SIGMA) for radius in true[0]]
+    ring = [stented.blurred_ring(r, radius - stented.STRUT_CENTRE_MM, SIGMA) for radius in true[0]]
+    blood = [50 + 350 * stented.blurred_disc(r, radius, SIGMA) for radius in true[0]]
     hu = np.stack(blood)[None] + metal * np.stack(ring)[None]
     found = stented.fit(hu, r, 400.0, 50.0, SIGMA, 2.4)
     assert np.allclose(found, true, atol=0.004 if metal else 0.02)  # M >= 0 leaves a kink
@@ -184,7 +184,7 @@ def test_disc_and_shell_are_blurred_discs_and_rings():
     x = h * (np.arange(n) - n // 2)
     distance = np.hypot(x[:, None], x[None])
     weight = np.exp(-0.5 * (np.hypot(x[:, None] - at, x[None]) / SIGMA) ** 2) * h * h / (2 * np.pi * SIGMA**2)
-    assert stented.disc(at, radius, SIGMA) == pytest.approx((weight * (distance < radius)).sum(), abs=0.003)
+    assert stented.blurred_disc(at, radius, SIGMA) == pytest.approx((weight * (distance < radius)).sum(), abs=0.003)
     ring = (np.abs(distance - radius) < 0.03) / 0.06
     expected = (weight * ring).sum() * np.sqrt(2 * np.pi) * SIGMA
-    assert stented.shell(at, radius, SIGMA) == pytest.approx(expected, rel=0.02)
+    assert stented.blurred_ring(at, radius, SIGMA) == pytest.approx(expected, rel=0.02)

@@ -32,8 +32,8 @@ def write_lines(path, lines, names=None):
 
 def test_struts_of_a_file_have_their_lengths(tmp_path):
     path = write_lines(tmp_path / "struts.vtp", [[(0, 0, 0), (3, 4, 0)], [(1, 0, 0), (1, 0, 1), (1, 0, 1.5)]])
-    points, lengths = struts.from_file(path)
-    assert lengths.sum() == pytest.approx(6.5) and lengths.max() < 1.01 * struts.STEP_MM
+    points, lengths = struts.read_struts(path)
+    assert lengths.sum() == pytest.approx(6.5) and lengths.max() < 1.01 * struts.PIECE_LENGTH_MM
     assert np.average(points, axis=0, weights=lengths) == pytest.approx(
         (5 * np.array([1.5, 2, 0]) + 1.5 * np.array([1, 0, 0.75])) / 6.5
     )
@@ -41,9 +41,9 @@ def test_struts_of_a_file_have_their_lengths(tmp_path):
 
 def test_files_without_struts_are_refused(tmp_path):
     with pytest.raises(InputError, match="no such file"):
-        struts.from_file(tmp_path / "none.vtp")
+        struts.read_struts(tmp_path / "none.vtp")
     with pytest.raises(InputError, match="nothing in the file"):
-        struts.from_file(write_lines(tmp_path / "empty.vtp", []))
+        struts.read_struts(write_lines(tmp_path / "empty.vtp", []))
 
 
 def test_a_given_centreline_is_centred(ct_tubes, tmp_path):

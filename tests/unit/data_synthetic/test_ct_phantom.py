@@ -116,7 +116,7 @@ def test_metal_adds_its_mass(wide):
 def test_too_many_voxels_are_refused_with_their_key(wide):
     found, _, settings, _ = wide
     with pytest.raises(InputError, match="voxel_mm"):
-        phantom.grid(found, dict(settings, margin_mm=400))
+        phantom.voxel_grid(found, dict(settings, margin_mm=400))
 
 
 @pytest.mark.parametrize(
@@ -150,7 +150,7 @@ def test_defaults_satisfy_the_schema(tmp_path):
 
 def test_an_open_surface_is_refused(ct_tubes):
     poly, _ = ct_tubes.tube(lambda z: np.full(len(z), 1.5))
-    points, triangles = vtp.arrays(poly)
+    points, triangles = vtp.points_and_triangles(poly)
     with pytest.raises(InputError, match="not closed"):
         vessel.from_surface(vtp.surface(points, triangles[:-1]), "tube")
 
@@ -158,7 +158,7 @@ def test_an_open_surface_is_refused(ct_tubes):
 def test_a_surface_inside_out_is_turned(ct_tubes):
     """Its ends would run on inwards otherwise."""
     poly, direction = ct_tubes.tube(lambda z: np.full(len(z), 1.5))
-    points, triangles = vtp.arrays(poly)
+    points, triangles = vtp.points_and_triangles(poly)
     found = vessel.from_surface(vtp.surface(points, triangles[:, ::-1]), "tube")
     height = np.concatenate([piece @ direction for piece, _ in found.pieces])
     assert height.max() - height.min() == pytest.approx(14 + 2 * vessel.EXTENSION_MM, abs=1e-6)
@@ -166,7 +166,7 @@ def test_a_surface_inside_out_is_turned(ct_tubes):
 
 def test_a_surface_with_a_point_at_no_place_is_refused(ct_tubes):
     poly, _ = ct_tubes.tube(lambda z: np.full(len(z), 1.5))
-    points, triangles = vtp.arrays(poly)
+    points, triangles = vtp.points_and_triangles(poly)
     with pytest.raises(InputError, match="not finite"):
         vessel.from_surface(vtp.surface(np.where(points > 1, np.nan, points), triangles), "tube")
 
@@ -182,7 +182,7 @@ def test_flat_ends_are_found_and_run_on(ct_tubes):
 
 def test_opened_plaque_keeps_its_area(ct_tubes):
     poly, direction = ct_tubes.tube(lambda z: np.full(len(z), 1.5))
-    points, _ = vtp.arrays(poly)
+    points, _ = vtp.points_and_triangles(poly)
     height = points @ direction
     outward = points - height[:, None] * direction
     outward /= np.maximum(np.linalg.norm(outward, axis=1), 1e-9)[:, None]
@@ -195,7 +195,7 @@ def test_opened_plaque_keeps_its_area(ct_tubes):
     for name, values in fields.items():
         vtp.add_array(poly.GetPointData(), name, values)
     found = vessel.from_surface(poly, "tube")
-    middle = np.abs(found.places_mm @ direction - 7) < 4
+    middle = np.abs(found.tissue_points_mm @ direction - 7) < 4
     after = (1.5 + found.plaque_mm[middle]) ** 2 - 1.5**2
     assert np.allclose(after, 1.7**2 - 0.7**2, rtol=0.02)
 

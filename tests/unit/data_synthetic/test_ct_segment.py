@@ -15,7 +15,7 @@ from data_synthetic.ct import evaluate, phantom, scan, struts, study, vessel
 ENDS = {"inlet": 0.0, "outlet1": 14.0}
 
 
-def throat(smallest_mm, width_mm=5.0):
+def throat_radius(smallest_mm, width_mm=5.0):
     """radius_of_z of a tube of 1.4 mm with a throat."""
 
     def radius(z):
@@ -25,10 +25,10 @@ def throat(smallest_mm, width_mm=5.0):
     return radius
 
 
-def scanned(ct_tubes, radius, **changes):
+def scanned_tube(ct_tubes, radius, **changes):
     """(noisy Image, ends, true surface, settings) of a tube; plaque fills what the throat takes."""
     poly, direction = ct_tubes.tube(radius)
-    points, _ = vtp.arrays(poly)
+    points, _ = vtp.points_and_triangles(poly)
     thickness = 1.4 - radius(points @ direction)
     for name, values in (("plaque_thickness_mm", thickness), ("plaque_type", (thickness > 0.01).astype(np.int32))):
         vtp.add_array(poly.GetPointData(), name, values)
@@ -38,14 +38,14 @@ def scanned(ct_tubes, radius, **changes):
     return volume, [(name, z * direction) for name, z in ENDS.items()], poly, direction, settings["segmentation"]
 
 
-def places(direction):
+def tube_sections(direction):
     """Sections every half millimetre, clear of the ends."""
     return [("main", s, s * direction, direction) for s in np.arange(2.5, 11.6, 0.5)]
 
 
 @pytest.fixture(scope="module")
 def open_throat(ct_tubes):
-    return scanned(ct_tubes, throat(0.7))
+    return scanned_tube(ct_tubes, throat_radius(0.7))
 
 
 @pytest.mark.parametrize("method, limit", [("psf_edge", 0.3), ("half_maximum", 0.9), ("threshold", 1.1)])
@@ -53,7 +53,7 @@ def test_area_and_resistance_of_a_throat(open_throat, method, limit):
     volume, ends, poly, direction, settings = open_throat
     found = segment.segment(volume, ends, dict(settings, method=method))
     points, triangles, _ = surface.build(found["field"], 0.2)
-    result = evaluate.compare(vtp.arrays(poly), (points, triangles), places(direction))
+    result = evaluate.compare_areas(vtp.points_and_triangles(poly), (points, triangles), tube_sections(direction))
     assert result["lost_sections"] == 0
     assert max(-result["lower_limit_mm2"], result["upper_limit_mm2"]) < limit
     if method == "psf_edge":
@@ -72,7 +72,7 @@ def test_the_axis_comes_from_the_image(open_throat):
 
 
 def test_an_occluded_throat_is_warned_of_at_its_place(ct_tubes):
-    volume, ends, _, _, settings = scanned(ct_tubes, throat(0.28))
+    volume, ends, _, _, settings = scanned_tube(ct_tubes, throat_radius(0.28))
     found = segment.segment(volume, ends, settings)
     occluded = [w for w in found["warnings"] if w["code"] == "occluded_by_voxels"]
     assert len(occluded) == 1 and occluded[0]["value"] < 0.6
@@ -83,7 +83,7 @@ def test_an_occluded_throat_is_warned_of_at_its_place(ct_tubes):
 
 
 def test_an_interrupted_vessel_is_an_error(ct_tubes):
-    volume, ends, _, direction, settings = scanned(ct_tubes, throat(0.7), noise_hu=0)
+    volume, ends, _, direction, settings = scanned_tube(ct_tubes, throat_radius(0.7), noise_hu=0)
     centres = np.stack(np.meshgrid(*[volume.centres(k) for k in range(3)], indexing="ij"), axis=-1)
     volume.values[np.abs(centres @ direction - 7) < 1.0] = -80
     with pytest.raises(ComputationError, match="no way through"):
@@ -92,7 +92,7 @@ def test_an_interrupted_vessel_is_an_error(ct_tubes):
 
 def test_end_points_given_the_other_way_round_are_warned_of(ct_tubes):
     """A tapering vessel read from its far end widens; the lumen itself is right."""
-    volume, ends, _, _, settings = scanned(ct_tubes, lambda z: 1.7 - 0.04 * z)
+    volume, ends, _, _, settings = scanned_tube(ct_tubes, lambda z: 1.7 - 0.04 * z)
     swapped = [(name, place) for (name, _), (_, place) in zip(ends, reversed(ends))]
     codes = [[w["code"] for w in segment.segment(volume, given, settings)["warnings"]] for given in (ends, swapped)]
     assert codes == [[], ["widens_from_the_inlet"]]
@@ -106,7 +106,7 @@ def test_end_points_beside_the_vessel_are_refused(open_throat):
 
 def test_a_stent_blooms_and_psf_edge_takes_it_off(ct_tubes):
     poly, direction = ct_tubes.tube(lambda z: np.full(len(z), 1.6))
-    places_mm, lengths = struts.laid_on(poly, np.linspace(0, 14, 141)[:, None] * direction, 3, 11, 8, 2, 0.08)
+    places_mm, lengths = struts.struts_on_wall(poly, np.linspace(0, 14, 141)[:, None] * direction, 3, 11, 8, 2, 0.08)
     settings = ct_tubes.settings()
     found = vessel.from_surface(poly, "tube")
     volume = phantom.add_noise(
@@ -119,7 +119,9 @@ def test_a_stent_blooms_and_psf_edge_takes_it_off(ct_tubes):
     for method in ("psf_edge", "half_maximum"):
         result = segment.segment(volume, ends, dict(settings["segmentation"], method=method), stented=True)
         points, triangles, _ = surface.build(result["field"], 0.2)
-        bias[method] = evaluate.compare(vtp.arrays(poly), (points, triangles), inside)["mean_difference_mm2"]
+        bias[method] = evaluate.compare_areas(vtp.points_and_triangles(poly), (points, triangles), inside)[
+            "mean_difference_mm2"
+        ]
         area = [evaluate.section_area(points, triangles, s * direction, direction) for s in ends_of_stent]
         at_ends[method] = np.array(area) - np.pi * 1.6**2
         said = [w["message"] for w in result["warnings"] if w["code"] == "calcium_or_metal"]
@@ -138,9 +140,9 @@ def test_a_vessel_called_stented_that_shows_none_is_warned_of(open_throat):
 
 
 def test_noise_is_warned_of_and_then_refused_and_smoothing_is_the_remedy(ct_tubes):
-    volume, ends, _, _, settings = scanned(ct_tubes, throat(0.9), noise_hu=55)
+    volume, ends, _, _, settings = scanned_tube(ct_tubes, throat_radius(0.9), noise_hu=55)
     assert [w["code"] for w in segment.segment(volume, ends, settings)["warnings"]] == ["noise"]
-    volume, ends, _, _, settings = scanned(ct_tubes, throat(0.9), noise_hu=110)
+    volume, ends, _, _, settings = scanned_tube(ct_tubes, throat_radius(0.9), noise_hu=110)
     with pytest.raises(ComputationError, match="(?s)contrast is too low against the noise.*smoothing_fwhm_mm: 0.7"):
         segment.segment(volume, ends, settings)
     found = segment.segment(volume, ends, dict(settings, smoothing_fwhm_mm=0.7))
@@ -152,28 +154,28 @@ def test_noise_is_warned_of_and_then_refused_and_smoothing_is_the_remedy(ct_tube
 
 def test_faint_blood_is_warned_of(ct_tubes):
     settings = ct_tubes.settings()["phantom"]["hu"] | {"blood": 200.0}
-    volume, ends, _, _, segmentation = scanned(ct_tubes, throat(0.9), hu=settings, noise_hu=10)
+    volume, ends, _, _, segmentation = scanned_tube(ct_tubes, throat_radius(0.9), hu=settings, noise_hu=10)
     assert "faint_blood" in [w["code"] for w in segment.segment(volume, ends, segmentation)["warnings"]]
 
 
 def test_struts_touch_the_wall_and_have_their_length(ct_tubes):
     poly, direction = ct_tubes.tube(lambda z: np.full(len(z), 1.6), around=96)
     axis = np.linspace(0, 14, 141)[:, None] * direction
-    points, lengths = struts.laid_on(poly, axis, 3, 11, 6, 2, 0.08)
+    points, lengths = struts.struts_on_wall(poly, axis, 3, 11, 6, 2, 0.08)
     height = points @ direction
     radius = np.linalg.norm(points - height[:, None] * direction, axis=1)
     assert np.allclose(radius, 1.56, atol=0.01)
     assert height.min() == pytest.approx(3, abs=0.1) and height.max() == pytest.approx(11, abs=0.1)
     theta = np.linspace(0, 2 * np.pi, 20001)
-    speed = np.sqrt(1.56**2 + (6 * struts.WAVE_MM * np.cos(6 * theta)) ** 2)
+    speed = np.sqrt(1.56**2 + (6 * struts.WAVE_AMPLITUDE_MM * np.cos(6 * theta)) ** 2)
     ring = np.sum(0.5 * (speed[1:] + speed[:-1])) * (theta[1] - theta[0])
-    rings = int(round((8 - 2 * struts.WAVE_MM) / struts.RING_PITCH_MM)) + 1
-    links = 2 * (8 - 2 * struts.WAVE_MM)  # two a gap, from the first ring's plane to the last's
+    rings = int(round((8 - 2 * struts.WAVE_AMPLITUDE_MM) / struts.RING_PITCH_MM)) + 1
+    links = 2 * (8 - 2 * struts.WAVE_AMPLITUDE_MM)  # two a gap, from the first ring's plane to the last's
     assert lengths.sum() == pytest.approx(rings * ring + links, rel=0.01)
 
 
 def test_commands_from_a_lumen_to_a_lumen_and_the_same_bits(ct_tubes, tmp_path, capsys):
-    poly, direction = ct_tubes.tube(throat(0.9))
+    poly, direction = ct_tubes.tube(throat_radius(0.9))
     vtp.write(tmp_path / "lumen.vtp", poly)
     ends = [{"name": name, "centre_mm": (z * direction).tolist()} for name, z in ENDS.items()]
     (tmp_path / "ends.json").write_text(json.dumps({"ends": ends}))
@@ -217,7 +219,7 @@ def test_bad_end_points_are_refused_with_their_key(tmp_path, capsys):
 
 
 def test_a_scene_needs_the_centreline_and_a_known_branch(ct_tubes, tmp_path):
-    poly, direction = ct_tubes.tube(throat(0.9))
+    poly, direction = ct_tubes.tube(throat_radius(0.9))
     vtp.write(tmp_path / "lumen.vtp", poly)
     device = {"kind": "stent", "length_mm": 8.0, "crowns": 6, "links": 2, "strut_thickness_mm": 0.08}
     use = {"device": "des", "branch": "side9", "centre_s_mm": 7.0}
@@ -226,17 +228,17 @@ def test_a_scene_needs_the_centreline_and_a_known_branch(ct_tubes, tmp_path):
     with pytest.raises(InputError, match="centreline"):
         scan.run(tmp_path / "lumen.vtp", tmp_path / "out", scene_path=tmp_path / "scene.json")
     with pytest.raises(InputError, match=r"procedure\[1\].devices\[1\].branch"):
-        struts.of_scene(scene, poly, {"main": np.zeros((2, 3))}, "scene.json")
+        struts.struts_of_scene(scene, poly, {"main": np.zeros((2, 3))}, "scene.json")
 
 
 def test_a_stent_has_the_metal_of_its_own_struts(ct_tubes):
-    poly, direction = ct_tubes.tube(throat(0.9))
+    poly, direction = ct_tubes.tube(throat_radius(0.9))
     device = {"kind": "stent", "length_mm": 8.0, "crowns": 6, "links": 2}
     use = {"device": "des", "branch": "main", "centre_s_mm": 7.0}
     line, metal = {"main": np.linspace(0, 14, 80)[:, None] * direction}, {}
     for thickness in (0.06, 0.08):
         scene = {"devices": {"des": device | {"strut_thickness_mm": thickness}}, "procedure": [{"devices": [use]}]}
-        metal[thickness] = struts.of_scene(scene, poly, line, "scene.json")[1].sum()
+        metal[thickness] = struts.struts_of_scene(scene, poly, line, "scene.json")[1].sum()
     # thinner struts lie a hundredth of a millimetre further out, on a ring that is 1 % longer
     assert metal[0.06] / metal[0.08] == pytest.approx((0.06 / 0.08) ** 2, rel=0.02)
 
@@ -250,19 +252,19 @@ def test_a_stent_has_the_metal_of_its_own_struts(ct_tubes):
     ],
 )
 def test_a_stent_that_cannot_be_laid_is_refused_by_its_key(ct_tubes, change, key):
-    poly, _ = ct_tubes.tube(throat(0.9))
+    poly, _ = ct_tubes.tube(throat_radius(0.9))
     device = {"kind": "stent", "length_mm": 8.0, "crowns": 6, "links": 2, "strut_thickness_mm": 0.08}
     use = {"device": "des", "branch": "main", "centre_s_mm": 7.0}
     scene = {"devices": {"des": device}, "procedure": [{"devices": [use]}]}
     change(scene)
     with pytest.raises(InputError) as caught:
-        struts.of_scene(scene, poly, {"main": np.linspace([0, 0, 0], [0, 0, 14], 80)}, "scene.json")
+        struts.struts_of_scene(scene, poly, {"main": np.linspace([0, 0, 0], [0, 0, 14], 80)}, "scene.json")
     assert caught.value.where == f"scene.json: {key}"
 
 
 @pytest.mark.parametrize("text", ["{", "[]", '{"procedure": [], "devices": {}}'])
 def test_a_file_that_is_no_scene_is_refused_before_rendering(ct_tubes, tmp_path, text):
-    vtp.write(tmp_path / "lumen.vtp", ct_tubes.tube(throat(0.9))[0])
+    vtp.write(tmp_path / "lumen.vtp", ct_tubes.tube(throat_radius(0.9))[0])
     (tmp_path / "scene.json").write_text(text)
     with pytest.raises(InputError, match="scene.json"):
         scan.run(tmp_path / "lumen.vtp", tmp_path, scene_path=tmp_path / "scene.json", centreline_path=tmp_path / "c")
@@ -271,7 +273,7 @@ def test_a_file_that_is_no_scene_is_refused_before_rendering(ct_tubes, tmp_path,
 def test_smoothing_goes_through_both_ends():
     z = np.linspace(0, 12, 35)
     rough = np.stack([0.1 * np.sin(9 * z), 0.1 * np.cos(11 * z), z], axis=1)
-    curve = paths.smoothed(rough)
+    curve = paths.smooth_curve(rough)
     assert np.linalg.norm(curve.points_mm[[0, -1]] - rough[[0, -1]], axis=1).max() < 0.06
     assert curve.curvature(curve.s_mm).max() < 0.5
 

@@ -12,11 +12,11 @@ def opened(branches):
     """The wall cut at the inlet alone: (field, points, triangles, centre, normal, radius)."""
     lumen = field.LumenField(branches)
     low, values = field.sample_grid(lumen, 0.3)
-    points, triangles = vtp.arrays(surface._relaxed(surface._contour(low, values, 0.3)))
+    points, triangles = vtp.points_and_triangles(surface._smoothed(surface._contour(low, values, 0.3)))
     points = lumen.project(points)
-    _, centre, normal, radius = field.ends(branches)[0]
-    points, triangles = cut.at_end(lumen, points, triangles[:, ::-1], centre, normal, radius)
-    return lumen, *surface._largest(points, triangles), centre, normal, radius
+    _, centre, normal, radius = field.open_ends(branches)[0]
+    points, triangles = cut.cut_at_end(lumen, points, triangles[:, ::-1], centre, normal, radius)
+    return lumen, *surface._largest_component(points, triangles), centre, normal, radius
 
 
 def test_the_edge_lies_in_the_plane_and_on_the_wall(opened):

@@ -8,14 +8,14 @@ from data_synthetic import disease
 def test_weight_is_bounded_and_ends_smoothly(shape):
     lesion = {"shape": shape, "centre_s_mm": 20.0, "length_mm": 16.0}
     s = np.linspace(5, 35, 6001)
-    w = disease.weight(lesion, s, 0.7)
+    w = disease.stenosis_profile(lesion, s, 0.7)
     assert w.min() >= 0 and 0.9 < w.max() <= 1
     assert w[np.abs(s - 20) >= 8].max() < 1e-9
     assert np.abs(np.gradient(w, s)[np.abs(np.abs(s - 20) - 8) < 0.01]).max() < 0.01
 
 
 def test_tandem_has_two_minima_of_the_lumen():
-    w = disease.weight({"shape": "tandem", "centre_s_mm": 10.0, "length_mm": 12.0}, np.linspace(4, 16, 1201))
+    w = disease.stenosis_profile({"shape": "tandem", "centre_s_mm": 10.0, "length_mm": 12.0}, np.linspace(4, 16, 1201))
     peaks = np.flatnonzero((w[1:-1] > w[:-2]) & (w[1:-1] >= w[2:]))
     assert len(peaks) == 2
 

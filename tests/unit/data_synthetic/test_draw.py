@@ -18,12 +18,12 @@ def test_files_are_valid_cases_and_the_same_whatever_the_count(tmp_path):
         assert (tmp_path / "two" / name).read_bytes() == (tmp_path / "three" / name).read_bytes()
     for name in names:
         assert patient.load(tmp_path / "three" / name)["plan"] == "auto"
-    assert draw.one(5, 1) != draw.one(6, 1) != draw.one(6, 2)
+    assert draw.draw_patient(5, 1) != draw.draw_patient(6, 1) != draw.draw_patient(6, 2)
 
 
 def test_a_cohort_may_have_any_size(tmp_path, monkeypatch):
-    made = draw.one(5, 1)
-    monkeypatch.setattr(draw, "one", lambda seed, number: made)
+    made = draw.draw_patient(5, 1)
+    monkeypatch.setattr(draw, "draw_patient", lambda seed, number: made)
     monkeypatch.setattr(draw.config, "load_case", lambda path: made)
     paths = draw.run(1001, 5, tmp_path)
     assert len(set(paths)) == 1001 and all(path.is_file() for path in paths)
@@ -32,7 +32,7 @@ def test_a_cohort_may_have_any_size(tmp_path, monkeypatch):
 
 def test_values_keep_to_their_ranges_and_vary():
     rng = np.random.default_rng(1)
-    cases = [draw._case(rng) for _ in range(400)]
+    cases = [draw._random_case(rng) for _ in range(400)]
     values = {
         "lvm": ([c["patient"]["lvm_g"] for c in cases], 90, 240),
         "ostial": ([c["vessel"]["main"]["ostial_diameter_mm"] for c in cases], 3.2, 5.0),
@@ -62,7 +62,7 @@ def test_what_cannot_be_built_is_drawn_again(monkeypatch):
             raise InputError("impossible", where, 0, "another")
 
     monkeypatch.setattr(patient, "check", refuse_first)
-    case = draw.one(3, 1)
+    case = draw.draw_patient(3, 1)
     assert len(tried) >= 2 and case["vessel"]["seed"] == tried[-1]
 
 
@@ -75,9 +75,9 @@ def test_bad_numbers_are_refused(tmp_path, count, seed, key):
 
 def test_a_lesion_lies_where_the_catalogue_has_a_stent():
     for number in range(1, 9):  # the second of them would be too wide otherwise
-        case = draw.one(5, number)
+        case = draw.draw_patient(5, number)
         main = tree.grow(schema.with_defaults(case["vessel"], schema.read("vessel")))[0]
         lesion = case["vessel"]["lesions"][0]
         centre = lesion["centre_s_mm"]
-        at, distal = 2 * main.healthy(np.array([centre, centre + 0.5 * lesion["length_mm"]]))
+        at, distal = 2 * main.healthy_radius(np.array([centre, centre + 0.5 * lesion["length_mm"]]))
         assert at >= 2.6 and distal <= 4.4

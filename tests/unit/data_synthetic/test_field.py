@@ -30,8 +30,8 @@ def test_projection_lands_on_the_wall(branches):
 
 
 def test_ends_are_the_inlet_and_one_outlet_a_branch(branches):
-    names = [name for name, *_ in field.ends(branches)]
+    names = [name for name, *_ in field.open_ends(branches)]
     assert names == ["inlet", "outlet1", "outlet2"]
-    (_, centre, normal, radius) = field.ends(branches)[0]
+    (_, centre, normal, radius) = field.open_ends(branches)[0]
     assert np.allclose(centre, branches[0].axis.point(0.0)) and radius == pytest.approx(1.7)
     assert normal @ (branches[0].axis.point(1.0) - centre) < 0

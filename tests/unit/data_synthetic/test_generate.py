@@ -38,7 +38,7 @@ def test_plaque_lies_in_the_lesion_only(made):
     branches, _ = truth.load(made / "truth.json")
     main, lesion = branches[0], branches[0].lesions[0]
     s = main.axis.nearest(points)
-    start, end = disease.extent(lesion)
+    start, end = disease.lesion_extent(lesion)
     assert thickness.max() > 1 and np.all(thickness[(s < start - 0.2) | (s > end + 0.2)] == 0)
     assert set(np.unique(kind)) == {NONE, FIBROUS, CALCIFIED}
     assert np.array_equal(kind > 0, thickness > 0)
@@ -140,7 +140,7 @@ def test_a_throat_between_the_grid_points_is_refused(vessel):
         lesion = {"branch": "side1", "centre_s_mm": 4.5, "length_mm": 4, "diameter_stenosis_percent": stenosis}
         return tree.grow(vessel(lesions=[lesion]))
 
-    generate.check_throats(grown(75), 0.2, "case")
+    generate.check_narrowest_radius(grown(75), 0.2, "case")
     with pytest.raises(InputError, match="side1") as caught:
-        generate.check_throats(grown(80), 0.2, "case")
+        generate.check_narrowest_radius(grown(80), 0.2, "case")
     assert caught.value.where == "case.lesions"

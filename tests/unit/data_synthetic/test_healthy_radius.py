@@ -11,8 +11,12 @@ def side(s_mm, **changes):
 def test_taper_between_ostia_and_none_along_them(vessel):
     data = vessel()
     (fork,) = healthy_radius.bifurcations(data)
-    assert fork.end_mm - fork.start_mm > 2 * healthy_radius.EASE_MM  # the rim of the ostium lies farther downstream
-    level = healthy_radius.main_healthy_radius(data, np.array([fork.s_mm + healthy_radius.EASE_MM, fork.end_mm]))
+    assert (
+        fork.end_mm - fork.start_mm > 2 * healthy_radius.TRANSITION_HALF_MM
+    )  # the rim of the ostium lies farther downstream
+    level = healthy_radius.main_healthy_radius(
+        data, np.array([fork.s_mm + healthy_radius.TRANSITION_HALF_MM, fork.end_mm])
+    )
     assert level[0] == pytest.approx(level[1], rel=1e-12)
     per_cm = 1 - 0.01 * data["main"]["taper_percent_per_cm"]
     for start in (2.0, fork.end_mm + 0.1):
@@ -22,7 +26,7 @@ def test_taper_between_ostia_and_none_along_them(vessel):
 
 def test_side_branch_is_as_wide_as_asked_in_its_ostium(vessel):
     data = vessel()
-    (fork,), (asked,) = healthy_radius.bifurcations(data), healthy_radius.ordered_sides(data)
+    (fork,), (asked,) = healthy_radius.bifurcations(data), healthy_radius.ordered_side_branches(data)
     s = np.array([0.0, fork.side_level_mm, fork.side_level_mm + 10])
     radius = healthy_radius.side_healthy_radius(asked, fork, s)
     assert radius == pytest.approx([0.8, 0.8, 0.8 * 0.97], rel=1e-12)

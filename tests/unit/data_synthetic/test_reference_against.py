@@ -16,7 +16,7 @@ def test_area_of_a_smooth_closed_curve():
 
 
 def test_stations_have_corners_at_the_breaks():
-    s = tube_procedure.stations([2.0, 5.0, 11.0], 2.0)
+    s = tube_procedure.station_positions([2.0, 5.0, 11.0], 2.0)
     corners = s[::2]
     assert {2.0, 5.0, 11.0} <= set(corners) and len(s) % 2 == 1
     assert np.diff(corners).max() <= 2.0 + 1e-12
@@ -28,7 +28,7 @@ def test_errors_are_told_by_region():
     against = 8 + 0.5 * np.cos(s)
     inside = (s > 4.99) & (s < 15.01)
     area = against * np.where(inside, 1.01, 0.98)
-    found = against_solid.compared(s, area, against, (4.99, 15.01))
+    found = against_solid.area_errors(s, area, against, (4.99, 15.01))
     assert found["stent_area_percent"]["mean"] == pytest.approx(1.0)
     assert found["beyond_area_percent"]["largest"] == pytest.approx(-2.0)
     assert -2 < found["stent_edges_area_percent"]["mean"] < 1

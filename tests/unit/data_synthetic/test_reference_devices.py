@@ -35,7 +35,7 @@ SCENE = {
 
 
 def test_radius_and_stiffness_follow_the_chart():
-    found = devices.balloon(BALLOON, "b", 20.0, 11, "scene")
+    found = devices.inflated_balloon(BALLOON, "b", 20.0, 11, "scene")
     assert found.radius_mm == pytest.approx(1.53)
     assert found.cap_mpa == pytest.approx(1.1)
     # 0.12 mm of diameter in 6 bar: 0.1 MPa a bar over 0.01 mm of radius a bar.
@@ -43,18 +43,18 @@ def test_radius_and_stiffness_follow_the_chart():
 
 
 def test_shoulders_taper_linearly():
-    found = devices.balloon(BALLOON, "b", 20.0, 8, "scene")
+    found = devices.inflated_balloon(BALLOON, "b", 20.0, 8, "scene")
     assert found.radius_at(np.array([14.0, 20.0, 26.0, 27.0, 28.0, 40.0])) == pytest.approx([1.5, 1.5, 1.5, 0.75, 0, 0])
 
 
 @pytest.mark.parametrize("pressure", [1, 15])
 def test_pressure_off_the_chart_is_refused(pressure):
     with pytest.raises(InputError, match="pressure off the balloon's chart"):
-        devices.balloon(BALLOON, "b", 20.0, pressure, "scene")
+        devices.inflated_balloon(BALLOON, "b", 20.0, pressure, "scene")
 
 
 def test_a_stent_step_has_its_balloon_and_hold():
-    branch, (step,) = devices.steps(SCENE, "scene.json")
+    branch, (step,) = devices.procedure_steps(SCENE, "scene.json")
     assert branch == "main" and step.balloon.name == "b" and step.stent.recoil_share == pytest.approx(0.96)
     assert step.stent.covers(12.5) and step.stent.covers(27.5) and not step.stent.covers(27.6)
 
@@ -81,7 +81,7 @@ def test_what_slices_cannot_answer_is_refused(change, message):
     scene = copy.deepcopy(SCENE)
     change(scene)
     with pytest.raises(InputError, match=message):
-        devices.steps(scene, "scene.json")
+        devices.procedure_steps(scene, "scene.json")
 
 
 @pytest.mark.parametrize(
@@ -121,11 +121,11 @@ def test_a_file_that_is_no_scene_is_refused(tmp_path, text):
 def test_a_chart_that_does_not_rise_is_refused(diameters):
     chart = dict(BALLOON["chart"], diameter_mm=diameters)
     with pytest.raises(InputError, match="chart"):
-        devices.balloon(dict(BALLOON, chart=chart), "b", 20.0, 11, "scene")
+        devices.inflated_balloon(dict(BALLOON, chart=chart), "b", 20.0, 11, "scene")
 
 
 def test_a_stent_without_its_balloon_is_refused():
     scene = copy.deepcopy(SCENE)
     scene["devices"]["s"]["balloon"] = "none"
     with pytest.raises(InputError, match="no such balloon"):
-        devices.steps(scene, "scene.json")
+        devices.procedure_steps(scene, "scene.json")

@@ -23,12 +23,12 @@ def table(branches, monkeypatch, tmp_path):
         return None, {"area_mm2": 8 * settings["stent_stiffness_mpa_per_mm"] ** 0.1 + s_mm}
 
     monkeypatch.setattr(run, "load_scene", lambda path: {})
-    monkeypatch.setattr(run, "patient_and_steps", lambda *_: (patient, steps))
-    monkeypatch.setattr(slices, "model_of", lambda settings: None)
-    monkeypatch.setattr(slices, "solve", solve)
+    monkeypatch.setattr(run, "read_patient_and_steps", lambda *_: (patient, steps))
+    monkeypatch.setattr(slices, "slice_model", lambda settings: None)
+    monkeypatch.setattr(slices, "solve_slice", solve)
 
     def made():
-        sensitivity.study("scene", "truth", tmp_path)
+        sensitivity.write_sensitivity("scene", "truth", tmp_path)
         with open(tmp_path / "sensitivity.csv", newline="") as handle:
             return list(csv.DictReader(handle))
 
@@ -48,7 +48,7 @@ def test_each_constant_is_varied_alone(table):
         expected = 100 * ((8 * (1.5 * float(factor)) ** 0.1 + 13) / base - 1)
         assert change(rows, "area_mm2", "stent_stiffness_mpa_per_mm", factor) == pytest.approx(expected, abs=1e-3)
         assert change(rows, "area_mm2", "wall_c10_mpa", factor) == 0
-    assert {r["constant"] for r in rows if r["quantity"] == "area_mm2"} == {"none", *sensitivity.OF_SLICES}
+    assert {r["constant"] for r in rows if r["quantity"] == "area_mm2"} == {"none", *sensitivity.SLICE_CONSTANTS}
 
 
 def test_what_resists_keeps_the_curvature_and_what_is_stiff_takes_it(table):

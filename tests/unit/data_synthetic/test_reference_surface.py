@@ -24,14 +24,14 @@ def test_span_interpolates_radial_opening():
     s = np.linspace(5, 15, 15)
     span = deformation.SpanField(s, THETA, radial(0.5 + 0.01 * s))
     at = np.array([6.3, 9.9, 14.2])
-    u = span.at(at, np.array([0.1, 3.0, 6.2]))
+    u = span.displacement_at(at, np.array([0.1, 3.0, 6.2]))
     assert np.linalg.norm(u, axis=1) == pytest.approx(0.5 + 0.01 * at, abs=1e-4)
 
 
 def test_coupling_keeps_a_line_and_rounds_a_step():
     x = np.linspace(0, 10, 101)
-    assert deformation.coupled(2 + 0.3 * x, 0.1, 0.6) == pytest.approx(2 + 0.3 * x, abs=1e-8)
-    step = deformation.coupled((x > 5).astype(float), 0.1, 0.6)
+    assert deformation.couple_along_axis(2 + 0.3 * x, 0.1, 0.6) == pytest.approx(2 + 0.3 * x, abs=1e-8)
+    step = deformation.couple_along_axis((x > 5).astype(float), 0.1, 0.6)
     assert np.abs(np.diff(step)).max() < 0.12 and step[50] == pytest.approx(0.5, abs=0.1)
     assert step[:20] == pytest.approx(0, abs=0.01) and step[-20:] == pytest.approx(1, abs=0.01)
 
@@ -52,9 +52,9 @@ def test_moved_lumen_opens_and_its_ends_rest(branches):
     span = deformation.SpanField(np.linspace(0, main.axis.length_mm, 30), THETA, radial(np.full(30, 0.2)))
     lumen = deformation.LumenDeformation(span, [], 0.6)
     rest = np.zeros((2, 3))
-    ends = field.ends(branches)
+    ends = field.open_ends(branches)
     resting = [(centre, radius) for _, centre, _, radius in ends]
-    moved = deformation.move(points, main, lumen, np.array([0, main.axis.length_mm]), rest, resting)
+    moved = deformation.move_points(points, main, lumen, np.array([0, main.axis.length_mm]), rest, resting)
     for _, centre, _, radius in ends:
         near = np.linalg.norm(points - centre, axis=1) < 1.05 * radius
         assert np.abs(moved - points)[near].max() < 1e-12
@@ -78,7 +78,7 @@ def test_refinement_is_watertight_keeps_area_and_halves_stretched_edges(branches
     def move(x):
         return x * [1, 1.0, 2.0]
 
-    new, split, parents, old = refine.refined(points, triangles, move, lambda x, _: x, 0.5)
+    new, split, parents, old = refine.refine_stretched(points, triangles, move, lambda x, _: x, 0.5)
     directed = np.concatenate([split[:, [0, 1]], split[:, [1, 2]], split[:, [2, 0]]])
     assert len(np.unique(directed, axis=0)) == len(directed)
     assert set(map(tuple, directed)) == set(map(tuple, directed[:, ::-1]))
@@ -94,12 +94,12 @@ def test_refinement_is_watertight_keeps_area_and_halves_stretched_edges(branches
 
 def test_stiff_stent_straightens_a_bend(branches):
     axis = branches[0].axis
-    s, none = straightening.offset(axis, [], 2.0, 0.08)
+    s, none = straightening.beam_displacement(axis, [], 2.0, 0.08)
     assert np.all(none == 0)
     kept = []
     for stiffness in (2.0, 20.0, 200.0):
         stent = devices.Stent("stent", 8.0, 22.0, 0.955, 0.22, stiffness)
-        s, w = straightening.offset(axis, [stent], 2.0, 0.08)
+        s, w = straightening.beam_displacement(axis, [stent], 2.0, 0.08)
         bent = np.gradient(axis.frame(s)[0], s, axis=0) + np.gradient(np.gradient(w, s, axis=0), s, axis=0)
         kept.append(np.linalg.norm(bent, axis=1)[(s > 9) & (s < 21)].mean())
         assert np.all(w[0] == 0) and np.all(w[-1] == 0)
@@ -107,14 +107,14 @@ def test_stiff_stent_straightens_a_bend(branches):
 
 
 def test_blended_plaque_runs_from_base_to_calcium():
-    shear, yields, _ = materials.blended(materials.FIBROUS, np.array([0.0, 0.5, 1.0]))
+    shear, yields, _ = materials.blend_with_calcium(materials.FIBROUS, np.array([0.0, 0.5, 1.0]))
     assert shear == pytest.approx([0.2, np.sqrt(0.4), 2.0])
     assert yields[[0, 2]] == pytest.approx([0.1, 0.5])
 
 
 def test_tissues_carry_what_coronary_lesions_do():
     """Published classes of lesions at a biaxial stretch of 1.15: 0.067, 0.13, 0.30 MPa."""
-    fibrous, lipid, calcified = (materials.biaxial_stress(1.15, kind) for kind in materials.OF_TYPE.values())
+    fibrous, lipid, calcified = (materials.biaxial_stress(1.15, kind) for kind in materials.BY_PLAQUE_TYPE.values())
     assert lipid < 0.067 < fibrous < 0.30 < calcified
     assert fibrous == pytest.approx(0.117, abs=0.001)  # elastic alone: 0.15
     assert 0.067 < materials.biaxial_stress(1.15, c10_mpa=0.05, c20_mpa=0.2) < 0.30
@@ -131,12 +131,12 @@ def test_every_material_constant_names_a_source_or_says_that_it_has_none():
     numeric |= {"slice_tolerance_percent"}
     physical = set(defaults) - numeric - {"edge_mm", "wall_c10_mpa", "wall_c20_mpa"}
     assert physical <= set(materials.SETTINGS_SOURCE)
-    for text in [kind.source for kind in materials.OF_TYPE.values()] + [materials.WALL_SOURCE]:
+    for text in [kind.source for kind in materials.BY_PLAQUE_TYPE.values()] + [materials.WALL_SOURCE]:
         assert "doi" in text or "J Physiol" in text
     for key in physical:
         value = "from " if defaults[key] is None else f"{defaults[key]:g}: "
         assert materials.SETTINGS_SOURCE[key].startswith(value)
-    for kind in materials.OF_TYPE.values():
+    for kind in materials.BY_PLAQUE_TYPE.values():
         for value in (kind.shear_mpa, kind.yield_mpa, kind.hardening_mpa):
             assert f"{value:g}" in kind.source
 

@@ -29,7 +29,7 @@ def test_wall_vertices_lie_on_the_field(built):
 
 def test_caps_are_flat_discs_of_the_true_area(built, branches):
     _, points, triangles, on_cap = built
-    for _, centre, normal, radius in field.ends(branches):
+    for _, centre, normal, radius in field.open_ends(branches):
         near = np.linalg.norm(points - centre, axis=1) < 1.05 * radius
         cap = on_cap & near
         assert np.abs((points[cap] - centre) @ normal).max() < 1e-9
@@ -51,7 +51,7 @@ def test_few_slivers(built):
 
 def test_a_surface_cut_wrongly_is_an_error(branches, monkeypatch):
     lumen = field.LumenField(branches)
-    closed = field.ends(branches)[1:]  # the inlet stays shut
-    monkeypatch.setattr(field, "ends", lambda _: closed + closed[:1])
+    closed = field.open_ends(branches)[1:]  # the inlet stays shut
+    monkeypatch.setattr(field, "open_ends", lambda _: closed + closed[:1])
     with pytest.raises(ComputationError, match="openings"):
         surface.build(lumen, 0.4)

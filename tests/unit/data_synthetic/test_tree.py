@@ -7,7 +7,7 @@ from data_synthetic import tree
 
 def test_stenosis_is_as_asked(branches):
     main = branches[0]
-    loss = 1 - main.radius_mm / main.healthy_mm
+    loss = 1 - main.radius_mm / main.healthy_radius_mm
     assert 100 * loss.max() == pytest.approx(60, abs=0.1)
     assert main.lesions[0]["centre_s_mm"] == pytest.approx(main.axis.s_mm[np.argmax(loss)], abs=0.1)
 
@@ -28,7 +28,7 @@ def test_eccentric_lumen_stays_inside_the_healthy_wall(branches):
     s = np.linspace(0, main.axis.length_mm, 200)
     shift = np.linalg.norm(main.shift(s), axis=1)
     assert shift.max() > 0.3
-    assert np.all(shift + main.radius(s) <= main.healthy(s) + 5e-4)
+    assert np.all(shift + main.radius(s) <= main.healthy_radius(s) + 5e-4)
     thickness = main.plaque_thickness(main.lesions[0]["centre_s_mm"], theta)
     assert thickness.min() >= 0 and thickness.max() > 2 * thickness.min()
 
@@ -40,7 +40,7 @@ def test_plaque_thickness_of_a_shifted_circle(branches):
     for theta in (0.3, 2.0, 4.5):
         ray = np.cos(theta) * normal + np.sin(theta) * binormal
         outer = (main.radius(s) + main.plaque_thickness(s, theta)) * ray
-        assert np.linalg.norm(outer + main.shift(s)) == pytest.approx(float(main.healthy(s)), abs=1e-9)
+        assert np.linalg.norm(outer + main.shift(s)) == pytest.approx(float(main.healthy_radius(s)), abs=1e-9)
 
 
 def test_same_seed_same_tree_other_seed_other_tree(vessel):

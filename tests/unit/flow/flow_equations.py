@@ -24,18 +24,18 @@ class Equations:
         self.inflow = 0.0
         self.solver = types.SimpleNamespace(factorizations=0)
         self.forms = types.SimpleNamespace(tangent=None)
-        self.space = types.SimpleNamespace(free=slice(None))
-        self.allowed, self.said = 100, []
+        self.space = types.SimpleNamespace(free_dofs=slice(None))
+        self.allowed_factorizations, self.said = 100, []
 
     def acceleration(self):
-        return anderson.Acceleration(np.append(np.ones(len(self.state.x.array)), 0.0))
+        return anderson.AndersonAcceleration(np.append(np.ones(len(self.state.x.array)), 0.0))
 
-    def outdate(self):
+    def mark_outdated(self):
         self.said.append("outdated")
 
     @property
-    def left(self):
-        return self.allowed - self.solver.factorizations
+    def factorizations_left(self):
+        return self.allowed_factorizations - self.solver.factorizations
 
     def residual(self):
         values = np.array(self.function(self.state.x.array), float)
@@ -51,14 +51,14 @@ class Equations:
     def move(self, base, base_inflow, update, inflow_update, factor):
         self.state.x.array = base + factor * update
 
-    def speed(self, update):
+    def velocity_norm(self, update):
         return float(np.linalg.norm(update))
 
-    def small(self, norm, absolute, relative):
+    def residual_is_small(self, norm, absolute, relative):
         return norm <= absolute
 
     def outcome(self, norm, absolute, relative, iterations):
-        return types.SimpleNamespace(converged=self.small(norm, absolute, relative), iterations=iterations)
+        return types.SimpleNamespace(converged=self.residual_is_small(norm, absolute, relative), iterations=iterations)
 
     def report(self, norm, kind):
         self.norms.append(norm)

@@ -11,7 +11,7 @@ MU = 0.004  # Pa s
 
 def make(folder):
     """Folder of a straight tube, meshed through the command line, and its boundary values."""
-    tubes.write_case(folder, tubes.tube(LENGTH, lambda s: RADIUS, 0.4), [tubes.line(LENGTH, lambda s: RADIUS)])
+    tubes.write_case(folder, tubes.tube(LENGTH, lambda s: RADIUS, 0.4), [tubes.centre_branch(LENGTH, lambda s: RADIUS)])
     command_line.main(
         ["mesh", str(folder / "lumen.vtp"), "--centreline", str(folder / "centreline.vtp")]
         + ["--out", str(folder / "mesh.msh"), "--cells-per-radius", "2.5"]

@@ -13,16 +13,16 @@ GOOD, WIDE, WIDER = {"ffr": 0.001}, {"ffr": 0.006}, {"ffr": 0.02}  # error estim
 
 
 class _Mesh:
-    """What adaptive asks of a Solved."""
+    """What adaptive asks of a SolvedMesh."""
 
     def __init__(self, path, ffr, eps, estimate):
         self.path, self.found, self.estimate, self.cpu_seconds = path, estimate, None, 0.0
         self.sampler, self.space = ffr, types.SimpleNamespace(dofs=1)
         solver = types.SimpleNamespace(factorizations=3)
-        self.problem = types.SimpleNamespace(artificial=eps, solver=solver, release=lambda: None)
+        self.problem = types.SimpleNamespace(artificial_viscosity=eps, solver=solver, release=lambda: None)
         self.destroyed = False
 
-    status = solved_mesh.Solved.status
+    status = solved_mesh.SolvedMesh.status
 
     def destroy(self):
         self.destroyed = True
@@ -30,7 +30,7 @@ class _Mesh:
 
 @pytest.fixture
 def search(monkeypatch):
-    """search({mesh: (ffr, eps, estimate) or None: no flow}) -> Solved, Search, [(mesh, mesh it starts from)]."""
+    """search({mesh: (ffr, eps, estimate), or None for no flow}) -> SolvedMesh, MeshSearch, [(mesh, its start)]."""
 
     def run(meshes, state=None, **values):
         tried, efforts = [], []
@@ -45,9 +45,9 @@ def search(monkeypatch):
             return _Mesh(path, *meshes[path])
 
         monkeypatch.setattr(adaptive, "solve_mesh", solve_mesh)
-        monkeypatch.setattr(adaptive.error_estimate, "of", lambda solved, *others: solved.found)
-        monkeypatch.setattr(adaptive.Search, "at_probes", lambda self, sampler: [sampler])
-        found = adaptive.Search(None, settings.make(**values), None, None)
+        monkeypatch.setattr(adaptive.error_estimate, "estimate_error", lambda solved, *others: solved.found)
+        monkeypatch.setattr(adaptive.MeshSearch, "ffr_at_probes", lambda self, sampler: [sampler])
+        found = adaptive.MeshSearch(None, settings.make(**values), None, None)
         found.efforts = efforts
         return found.run(list(meshes) if len(meshes) > 2 else PATHS, state), found, tried
 
@@ -56,11 +56,13 @@ def search(monkeypatch):
 
 def test_an_error_that_is_not_within_the_tolerance_is_warned_of(capsys):
     chosen = settings.make(ffr_tolerance=0.005)
-    assert adaptive.missed({"ffr": 0.005, "probes": [0.005]}, chosen) == [] and capsys.readouterr().err == ""
-    (above,) = adaptive.missed({"ffr": 0.0123, "probes": [0.0123]}, chosen)
-    (unknown,) = adaptive.missed(None, chosen)
+    assert (
+        adaptive.tolerance_warnings({"ffr": 0.005, "probes": [0.005]}, chosen) == [] and capsys.readouterr().err == ""
+    )
+    (above,) = adaptive.tolerance_warnings({"ffr": 0.0123, "probes": [0.0123]}, chosen)
+    (unknown,) = adaptive.tolerance_warnings(None, chosen)
     elsewhere = {"ffr": 0.004, "probes": [0.004, 0.001, 0.0061]}
-    (other,) = adaptive.missed(elsewhere, chosen, ["distal", "near", "far"])
+    (other,) = adaptive.tolerance_warnings(elsewhere, chosen, ["distal", "near", "far"])
     assert "0.0123, above ffr_tolerance = 0.005" in above and "not known" in unknown
     assert "probe far is 0.0061, above ffr_tolerance = 0.005" in other
     assert capsys.readouterr().err == f"{above}\n{unknown}\n{other}\n"
@@ -75,7 +77,7 @@ def test_a_coarse_mesh_within_the_tolerance_answers(search, eps):
 def test_the_finer_mesh_starts_from_the_coarse_ones_flow_and_answers(search):
     solved, found, tried = search({"coarse.msh": (0.8, 0.0, WIDE), "fine.msh": (0.79, 0.0, GOOD)})
     assert solved.path == "fine.msh" and tried == [("coarse.msh", None), ("fine.msh", "coarse.msh")]
-    assert [mesh["mesh"] for mesh in found.meshes] == PATHS and found.spent == 6
+    assert [mesh["mesh"] for mesh in found.meshes] == PATHS and found.factorizations == 6
 
 
 @pytest.mark.parametrize(
@@ -102,13 +104,13 @@ THREE = ("coarsest.msh", *PATHS)
 @pytest.mark.parametrize(
     ("flows", "efforts", "answers"),
     [
-        ([(0.8, 0.0, GOOD)], ["begun"], "coarsest.msh"),
-        ([(0.8, 0.0, WIDE), (0.79, 0.0, GOOD)], ["begun", "whole"], "coarse.msh"),
-        ([None, (0.79, 0.0, GOOD)], ["begun", "whole"], "coarse.msh"),
-        ([None, None, (0.79, 0.0, GOOD)], ["begun", "whole", "whole"], "fine.msh"),
-        ([None, (0.8, 0.004, WIDE), (0.79, 0.0, GOOD)], ["begun", "whole", "near"], "fine.msh"),
-        ([(0.8, 0.0, WIDE), None, None], ["begun", "whole", "near"], "coarsest.msh"),
-        ([(0.8, 0.0, WIDER), (0.81, 0.0, WIDE), None], ["begun", "whole", "near"], "coarse.msh"),
+        ([(0.8, 0.0, GOOD)], ["early stop"], "coarsest.msh"),
+        ([(0.8, 0.0, WIDE), (0.79, 0.0, GOOD)], ["early stop", "full"], "coarse.msh"),
+        ([None, (0.79, 0.0, GOOD)], ["early stop", "full"], "coarse.msh"),
+        ([None, None, (0.79, 0.0, GOOD)], ["early stop", "full", "full"], "fine.msh"),
+        ([None, (0.8, 0.004, WIDE), (0.79, 0.0, GOOD)], ["early stop", "full", "guess only"], "fine.msh"),
+        ([(0.8, 0.0, WIDE), None, None], ["early stop", "full", "guess only"], "coarsest.msh"),
+        ([(0.8, 0.0, WIDER), (0.81, 0.0, WIDE), None], ["early stop", "full", "guess only"], "coarse.msh"),
     ],
 )
 def test_the_coarsest_of_three_meshes_only_begins_the_way(search, flows, efforts, answers):
@@ -140,8 +142,8 @@ def test_without_any_flow_the_solve_is_refused(search):
 
 
 def _state(mesh, artificial=0.0, leads_nowhere=False):
-    """What adaptive asks of an inputs.solution.Start."""
-    return types.SimpleNamespace(mesh=mesh, artificial=artificial, leads_nowhere=leads_nowhere)
+    """What adaptive asks of an inputs.solution.StartState."""
+    return types.SimpleNamespace(mesh_name=mesh, artificial_viscosity=artificial, leads_nowhere=leads_nowhere)
 
 
 ALL_GOOD = {name: (0.8, 0.0, GOOD) for name in THREE}
@@ -163,7 +165,7 @@ def test_the_mesh_that_answered_in_another_state_starts_from_it(search, state, e
     solved, found, tried = search(flows, state)
     assert tried == tries and solved.path == tries[-1][0]
     failed, started = state.leads_nowhere, tries[0][1] == "state"
-    assert found.spent == 3 * len(tries)
+    assert found.factorizations == 3 * len(tries)
     assert [mesh["mesh"] for mesh in found.meshes] == [one[0] for one in tries[failed:]], "each mesh once"
     of_state = {"mesh": "coarse.msh", "led_to_flow": not failed, "factorizations": 3}
-    assert found.started == (of_state if started else None)
+    assert found.start_record == (of_state if started else None)

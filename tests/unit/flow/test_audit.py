@@ -29,9 +29,9 @@ def test_time_unit_is_a_diameter_over_the_mean_speed():
 def test_start_up_is_cut_where_the_decay_has_gone_under_the_noise():
     noise = 1e-3 * np.random.default_rng(1).normal(size=400)
     decay = 0.1 * np.exp(-np.arange(400) / 10)
-    assert 30 <= audit.start_up(0.7 + decay + noise) <= 80  # the decay is 1e-3 after 46 samples
-    assert audit.start_up(0.7 + noise) <= 40
-    assert audit.start_up(np.full(400, 0.7)) == 0
+    assert 30 <= audit.start_up_samples(0.7 + decay + noise) <= 80  # the decay is 1e-3 after 46 samples
+    assert audit.start_up_samples(0.7 + noise) <= 40
+    assert audit.start_up_samples(np.full(400, 0.7)) == 0
 
 
 def test_batch_means_cover_the_mean_as_often_as_they_say():
@@ -52,16 +52,16 @@ def test_batch_means_are_students_interval_of_the_batches():
 def test_a_steady_flow_is_held_against_the_mean(steady, agrees):
     time = np.linspace(0, 20, 2000)
     values = 0.7 + 0.002 * np.sin(7 * time) + 0.05 * np.exp(-2 * time)
-    found = audit.evaluate(_series(values, 20), UNIT, [steady], 0.005)
+    found = audit.audit_document(_series(values, 20), UNIT, [steady], 0.005)
     assert found["settled"] and found["agrees"] is agrees
     assert found["ffr_mean"] == pytest.approx(0.7, abs=2e-4)
     assert found["ffr_least"] == pytest.approx(0.698, abs=5e-4) and found["time_units"] == pytest.approx(20)
-    assert 1 < found["start_up_units"] < 8 and "mean 0.70" in audit.in_words(found)
+    assert 1 < found["start_up_units"] < 8 and "mean 0.70" in audit.summary_line(found)
 
 
 def test_a_flow_that_drifts_has_not_settled():
-    found = audit.evaluate(_series(np.linspace(0.7, 0.8, 500), 20), UNIT, [0.7], 0.005)
-    assert not found["settled"] and found["agrees"] is None and "not settled" in audit.in_words(found)
+    found = audit.audit_document(_series(np.linspace(0.7, 0.8, 500), 20), UNIT, [0.7], 0.005)
+    assert not found["settled"] and found["agrees"] is None and "not settled" in audit.summary_line(found)
 
 
 @pytest.mark.slow
@@ -87,6 +87,6 @@ def test_a_step_that_fails_is_shortened_and_a_march_that_cannot_go_on_says_so():
 
     asked = []
     with pytest.raises(audit.ComputationError):
-        list(audit._lengths(Stepper(), 1.0, 10))
+        list(audit._adaptive_steps(Stepper(), 1.0, 10))
     assert asked[0] == audit.FIRST_STEP and asked[-1] >= audit.SHORTEST_STEP
     assert np.allclose(np.diff(np.log(asked)), np.log(audit.SMALLEST_CHANGE))

@@ -57,7 +57,7 @@ def test_other_names_are_let_through(tmp_path, monkeypatch, capsys):
 
 @pytest.mark.parametrize(("paths", "given"), [(["a", "b"], [("a", 2), ("b", 3)]), (["b"], [("b", 3)]), ([], [])])
 def test_fewer_coarse_meshes_are_those_of_the_last_rings(paths, given):
-    assert command_files.with_rings(paths, [2, 3]) == given
+    assert command_files.pair_with_rings(paths, [2, 3]) == given
 
 
 def test_patient_values_given_twice(tmp_path, capsys):
@@ -70,7 +70,9 @@ def test_patient_values_given_twice(tmp_path, capsys):
 def test_an_anatomy_and_a_centreline_of_two_lumens(tmp_path, capsys, command):
     """A vessel of 20 mm with the line of one of 24 mm."""
     for name, length in (("plan", 20.0), ("other", 24.0)):
-        tubes.write_case(tmp_path / name, tubes.tube(length, lambda s: 1.2, 0.8), [tubes.line(length, lambda s: 1.2)])
+        tubes.write_case(
+            tmp_path / name, tubes.tube(length, lambda s: 1.2, 0.8), [tubes.centre_branch(length, lambda s: 1.2)]
+        )
     patient = ["--lvm-g", "60", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
     boundary = ["--boundary", tmp_path / "boundary.json"]
     anatomy = ["--anatomy", tmp_path / "plan" / "anatomy.json"]
@@ -94,7 +96,7 @@ PATIENT = ["--lvm-g", "60", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
 def case(tmp_path_factory):
     """Folder of a short tube's files with boundary.json."""
     folder = tmp_path_factory.mktemp("short")
-    tubes.write_case(folder, tubes.tube(6.0, lambda s: 1.2, 0.6), [tubes.line(6.0, lambda s: 1.2)])
+    tubes.write_case(folder, tubes.tube(6.0, lambda s: 1.2, 0.6), [tubes.centre_branch(6.0, lambda s: 1.2)])
     anatomy = ["--anatomy", str(folder / "anatomy.json")]
     command_line.main(["boundary", *anatomy, *PATIENT, "--out", str(folder / "boundary.json")])
     return folder
@@ -172,7 +174,7 @@ def test_where_the_coarse_mesh_fails_no_mesh_is_left(case, tmp_path, monkeypatch
 
     for name in ("mesh.msh", "coarse.msh", "mesh.json"):
         (tmp_path / name).write_text("former")
-    monkeypatch.setattr(mesh, "coarser", fails)
+    monkeypatch.setattr(mesh, "build_coarser", fails)
     with pytest.raises(SystemExit) as ended:
         command_line.main(_mesh(case, tmp_path))
     assert ended.value.code == 3 and not list(tmp_path.iterdir())
@@ -195,7 +197,7 @@ def test_a_mesh_that_cannot_be_written_whole_leaves_nothing(case, tmp_path, monk
 def test_a_report_is_known_by_its_meshes_content(case, meshes, tmp_path, capsys):
     """Not by their number of cells, which those of a lumen that is .01 mm wider have too."""
     radius = tubes.lesion(1.21, 0.0, 3.0, 3.0)
-    tubes.write_case(tmp_path / "other", tubes.tube(6.0, radius, 0.6), [tubes.line(6.0, radius)])
+    tubes.write_case(tmp_path / "other", tubes.tube(6.0, radius, 0.6), [tubes.centre_branch(6.0, radius)])
     command_line.main(_mesh(tmp_path / "other", tmp_path / "other"))
     told, other = (json.loads((folder / "mesh.json").read_text()) for folder in (meshes, tmp_path / "other"))
     assert told["cells"] == other["cells"] and told["coarse"][0]["cells"] == other["coarse"][0]["cells"]

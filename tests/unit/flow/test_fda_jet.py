@@ -16,7 +16,7 @@ def test_a_jet_too_fast_by_more_than_two_deviations_is_not_within():
     values = fda_nozzle.VELOCITY_ORIGINAL.copy()
     values[3] += 2.1 * fda_nozzle.SPREAD_ORIGINAL[3]
     values[4] += 1.9 * fda_nozzle.SPREAD_ORIGINAL[4]
-    assert fda_jet.within(values) == "8 of 9"
+    assert fda_jet.count_within(values) == "8 of 9"
 
 
 def test_a_flow_that_never_turns_is_said():

@@ -48,7 +48,7 @@ def test_eight_parts_fill_the_tetrahedron_whichever_diagonal_is_shortest():
 
 def test_the_file_has_the_meshs_nodes_and_its_whole_wall(tmp_path):
     surface = tubes.tube(8.0, lambda s: 1.5, 0.6)
-    tree = centreline.Tree([tubes.line(8.0, lambda s: 1.5)])
+    tree = centreline.Tree([tubes.centre_branch(8.0, lambda s: 1.5)])
     built, _ = mesh.build(surface, tree, 2.0, settings.make(rings=2, coarse_rings=[2]))
     mesh.write(built, tmp_path / "mesh.msh")
     openfoam_tree.tetrahedra(tmp_path / "mesh.msh", tmp_path / "cut.msh")
@@ -70,7 +70,7 @@ def test_the_file_has_the_meshs_nodes_and_its_whole_wall(tmp_path):
 
 def test_inverted_polyhedra_are_refused(tmp_path):
     good = "    cells:            327\n    Min volume = 1e-12. Max volume = 2e-10. Total volume = 9.01e-07.  OK.\n"
-    assert openfoam_run.of_check(good, tmp_path) == {"cells": 327, "volume_mm3": pytest.approx(901)}
+    assert openfoam_run.figures_of_output(good, tmp_path) == {"cells": 327, "volume_mm3": pytest.approx(901)}
     bad = "    cells:            327\n ***Zero or negative cell volume detected. Number of negative volume cells: 1\n"
     with pytest.raises(ComputationError, match="no positive volume"):
-        openfoam_run.of_check(bad, tmp_path)
+        openfoam_run.figures_of_output(bad, tmp_path)

@@ -41,7 +41,7 @@ def read(monkeypatch):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     top = tmp_path_factory.mktemp("tube")
-    tubes.write_case(top, tubes.tube(LENGTH, lambda s: RADIUS, 0.6), [tubes.line(LENGTH, lambda s: RADIUS)])
+    tubes.write_case(top, tubes.tube(LENGTH, lambda s: RADIUS, 0.6), [tubes.centre_branch(LENGTH, lambda s: RADIUS)])
     return top
 
 

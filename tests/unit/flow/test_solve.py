@@ -9,7 +9,7 @@ import types
 import numpy as np
 import pytest
 
-import by_dual
+import dual_solutions
 import solved_tube
 import tubes
 import whole_tangent
@@ -101,10 +101,10 @@ def _problem(case, **values):
 
 
 def test_newton_converges_quadratically(case, monkeypatch):
-    monkeypatch.setattr(newton, "NEAR", 0.0)  # no accelerated steps
+    monkeypatch.setattr(newton, "REUSE_FOR_STEPS", 0.0)  # no accelerated steps
     problem = _problem(case)
     found = newton.newton(problem, 1e-13, 1.0, 8)
-    history = np.array(problem.history)
+    history = np.array(problem.residual_history)
     assert found.converged and found.iterations <= 5
     steep = np.log(history[1:]) - np.log(history[0])
     assert steep[-1] < -15
@@ -116,11 +116,11 @@ def test_tangent_is_the_derivative_of_the_residual(case, eps):
     from dolfinx.fem import petsc as fem_petsc
 
     problem = _problem(case)
-    problem.forms.artificial.value = eps
+    problem.forms.artificial_viscosity.value = eps
     values, rng = problem.state.x.array, np.random.default_rng(0)
     values[:] = 0.1 * rng.normal(size=len(values))  # random: in- and outflow at the outlet, so the backflow term acts
     direction, base = rng.normal(size=len(values)), values.copy()
-    matrix = fem_petsc.assemble_matrix(whole_tangent.of(problem.forms))
+    matrix = fem_petsc.assemble_matrix(whole_tangent.compile_tangent(problem.forms))
     matrix.assemble()
     x, y = matrix.createVecs()
     x.array[:] = direction
@@ -160,7 +160,9 @@ def test_coarse_and_fine_mesh_swapped_are_refused_before_anything_is_solved(case
 
 
 def test_a_probe_outside_the_mesh_is_refused_before_anything_is_solved(case, tmp_path, capfd):
-    beside = tubes.line(LENGTH, lambda s: RADIUS, lambda along, e1, e2: np.stack([along, e1 + 2.0, e2], axis=-1))
+    beside = tubes.centre_branch(
+        LENGTH, lambda s: RADIUS, lambda along, e1, e2: np.stack([along, e1 + 2.0, e2], axis=-1)
+    )
     tubes.write_centreline(tmp_path / "centreline.vtp", [beside])
     files = ["--boundary", str(case / "boundary.json"), "--centreline", str(tmp_path / "centreline.vtp")]
     files += ["--anatomy", str(case / "anatomy.json"), "--sections", str(case / "sections.csv")]
@@ -220,10 +222,10 @@ def test_same_input_same_bits(case, coarse_mesh, tmp_path):
 
 def test_the_answer_in_words_has_its_error_and_what_the_flow_is():
     answer = {"ffr": 0.86174, "error_estimate": {"ffr": 0.0012}, "status": "converged"}
-    assert solve.in_words(answer) == "FFR 0.8617 +- 0.0012"
-    assert solve.in_words(answer | {"error_estimate": None}) == "FFR 0.8617 +- unknown"
-    kept = answer | {"status": solved_mesh.ARTIFICIAL}
-    assert solve.in_words(kept) == "FFR 0.8617 +- 0.0012 (converged with artificial viscosity)"
+    assert solve.summary_line(answer) == "FFR 0.8617 +- 0.0012"
+    assert solve.summary_line(answer | {"error_estimate": None}) == "FFR 0.8617 +- unknown"
+    kept = answer | {"status": solved_mesh.CONVERGED_WITH_VISCOSITY}
+    assert solve.summary_line(kept) == "FFR 0.8617 +- 0.0012 (converged with artificial viscosity)"
 
 
 def test_the_fine_mesh_does_not_start_with_nothing_left(case, coarse_mesh, tmp_path, capfd):
@@ -241,11 +243,11 @@ def test_the_fine_mesh_does_not_start_with_nothing_left(case, coarse_mesh, tmp_p
 def test_the_dual_solution_says_how_the_goal_changes_with_a_load(case):
     problem = _problem(case)
     assert newton.newton(problem, 1e-12, 1.0, 8).converged
-    goal = problem.boundaries.flux[0]  # the outflow as goal
-    dual = by_dual.dual(problem, goal)
+    goal = problem.boundaries.flux_vectors[0]  # the outflow as goal
+    dual = dual_solutions.dual(problem, goal)
     before = problem.boundaries.outflows(problem.state_vector())[0]
     # MAP enters the inflow's equation alone, whose dual value is the inlet's over the profile
-    inlet, profile = problem.space.inlet, problem.boundaries.profile.x.array
+    inlet, profile = problem.space.inlet_dofs, problem.boundaries.profile.x.array
     largest = inlet[np.argmax(np.abs(profile[inlet]))]
     step = 1.0
     problem.boundaries.map_pa += step
@@ -263,7 +265,7 @@ def test_each_probe_has_the_error_it_would_have_alone(case):
     document = json.loads((case / "boundary.json").read_text())
 
     def parts(*chosen):
-        return by_dual.of(solved, document | {"probes": list(chosen)}, tree)
+        return dual_solutions.error_parts(solved, document | {"probes": list(chosen)}, tree)
 
     both, alone = parts(*probes, probes[0]), [parts(probe)[0] for probe in probes]
     assert both[0] == pytest.approx(alone[0], rel=1e-9) and both[1] == pytest.approx(alone[1], rel=1e-9)

@@ -95,15 +95,15 @@ def test_outlets_that_the_mesh_lacks_are_refused(case):
 
 def test_outlets_numbered_otherwise_in_the_mesh_are_refused():
     """A main vessel along x, a branch to the side; the mesh's caps as the boundary values have them, then exchanged."""
-    main = tubes.line(20.0, lambda s: 1.2)
-    side = tubes.line(6.0, lambda s: 0.8, lambda s, e1, e2: np.stack([10 + e1, s, e2], axis=-1), name="side1")
+    main = tubes.centre_branch(20.0, lambda s: 1.2)
+    side = tubes.centre_branch(6.0, lambda s: 0.8, lambda s, e1, e2: np.stack([10 + e1, s, e2], axis=-1), name="side1")
     tree = centreline.Tree([main, side])
     document = tubes.boundary_document(tree.branches, [2e-6, 1e-6], [5e9, 9e9], 15.0, 0.004)
     centres = {2: [0, 0.1, 0], 12: [20.1, 0, 0], 13: [10, 6, 0.1]}
 
     def check(at):
         space = types.SimpleNamespace(centre=lambda tag: 1e-3 * np.array(centres[at[tag]], float))
-        outlets.check_places(space, document, tree, "mesh.msh")
+        outlets.check_outlet_places(space, document, tree, "mesh.msh")
 
     check({2: 2, 12: 12, 13: 13})
     for at, named in (({2: 2, 12: 13, 13: 12}, "outlet1"), ({2: 12, 12: 2, 13: 13}, "outlet1")):
@@ -125,7 +125,7 @@ def test_sections_in_metres_are_refused(case, tmp_path, capsys):
 @pytest.mark.parametrize("command", ["mesh", "solve"])
 def test_a_centreline_of_another_lumen_is_refused(case, tmp_path, capsys, command):
     """Neither meshed nor solved with: the lumen once was narrower."""
-    line = tubes.line(LENGTH, tubes.lesion(RADIUS, 0.5, LENGTH / 2, LENGTH / 2))
+    line = tubes.centre_branch(LENGTH, tubes.lesion(RADIUS, 0.5, LENGTH / 2, LENGTH / 2))
     tubes.write_case(tmp_path, tubes.tube(LENGTH, lambda s: RADIUS, 0.8), [line])
     given = {"mesh": [str(case / "lumen.vtp")], "solve": [str(case / "mesh.msh")]}[command]
     out = tmp_path / {"mesh": "out.msh", "solve": "out"}[command]
@@ -155,7 +155,7 @@ def test_mesh_in_metres_is_refused(case, tmp_path):
     from flow.meshing import mesh
 
     tube = tubes.tube(4, lambda s: 1.2, 0.8)
-    tree = centreline.Tree([tubes.line(4, lambda s: 1.2)])
+    tree = centreline.Tree([tubes.centre_branch(4, lambda s: 1.2)])
     built, _ = mesh.build(tube, tree, 1.5, settings_module.make())
     built.points *= 1e-3
     mesh.write(built, tmp_path / "metres.msh")
@@ -252,7 +252,7 @@ def test_mesh_without_an_outlet_is_refused(tmp_path):
     from flow.meshing import mesh
 
     tube = tubes.tube(4, lambda s: 1.2, 0.8)
-    tree = centreline.Tree([tubes.line(4, lambda s: 1.2)])
+    tree = centreline.Tree([tubes.centre_branch(4, lambda s: 1.2)])
     built, _ = mesh.build(tube, tree, 1.5, settings_module.make())
     built.region = np.where(built.region == 2, 0, built.region)
     mesh.write(built, tmp_path / "closed.msh")

@@ -71,7 +71,7 @@ def _disc(around, angle):
     return points, faces
 
 
-def line(length_mm, radius, axis=None, name="main", branch_id=0, spacing_mm=0.25):
+def centre_branch(length_mm, radius, axis=None, name="main", branch_id=0, spacing_mm=0.25):
     """The tube's centreline as a geometry.centreline.Branch."""
     s = np.linspace(0, length_mm, max(2, round(length_mm / spacing_mm)) + 1)
     zero = np.zeros_like(s)
@@ -122,7 +122,7 @@ def branched(radius, length, sides, edge_mm):
     surface = Surface(points, triangles, region)
     if surface.volume_mm3() < 0:
         surface = Surface(points, triangles[:, ::-1], region)
-    branches = [line(length, lambda s: radius)]
+    branches = [centre_branch(length, lambda s: radius)]
     for k, ((_, side_radius, reach, *_), start, way) in enumerate(zip(sides, starts, ways), 1):
         s = np.linspace(0, reach, 41)
         branches.append(centreline.Branch(f"side{k}", k, start + s[:, None] * way, s, np.full(41, side_radius)))
@@ -195,15 +195,15 @@ def write_case(folder, surface, branches, parents=None, lesions=(), areas=None):
     (folder / "anatomy.json").write_text(json.dumps(document))
 
 
-AS_IT_IS = {"outlet_clearance_diameters": 0, "inlet_clearance_diameters": 0}  # settings: ends are not extended
+NO_EXTENSIONS = {"outlet_clearance_diameters": 0, "inlet_clearance_diameters": 0}  # settings: ends are not extended
 
 
 def mesh_narrowed(folder, reduction, length_mm=8.0, radius_mm=1.2):
     """Files of a tube narrowed in its middle, its two meshes (2 and 3 rings) and boundary.json, by the command line."""
     radius = lesion(radius_mm, reduction, length_mm / 2, 4.0)
-    write_case(folder, tube(length_mm, radius, 0.4), [line(length_mm, radius)])
+    write_case(folder, tube(length_mm, radius, 0.4), [centre_branch(length_mm, radius)])
     along, rings = ["--centreline", str(folder / "centreline.vtp")], ["--rings", "3", "--coarse-rings", "2"]
-    rings += [text for name in AS_IT_IS for text in ("--" + name.replace("_", "-"), "0")]
+    rings += [text for name in NO_EXTENSIONS for text in ("--" + name.replace("_", "-"), "0")]
     command_line.main(["mesh", str(folder / "lumen.vtp"), *along, *rings, "--out", str(folder / "mesh.msh")])
     patient = ["--lvm-g", "60", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
     anatomy = ["--anatomy", str(folder / "anatomy.json")]

@@ -5,6 +5,6 @@ import ufl
 from flow.discretisation import compat
 
 
-def of(forms):
+def compile_tangent(forms):
     """Compiled derivative of the residual of discretisation.forms.NavierStokes over W, at its present eps."""
-    return compat.form(ufl.derivative(forms._residuals[int(forms.artificial.value > 0)], forms._state))
+    return compat.form(ufl.derivative(forms._residuals[int(forms.artificial_viscosity.value > 0)], forms._state))

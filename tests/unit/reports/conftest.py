@@ -20,7 +20,7 @@ LENGTH_MM, CURVATURE_PER_MM, SPACING_MM = 40.0, 0.1, 0.25
 SEGMENT = (12.0, 30.0)
 STAGES = ("deployment-to-contact", "balloon-extraction")
 Q_M3_PER_S, VISCOSITY, MAP_PA, VENOUS_PA = 5.0e-6, 0.004, 12444.0, 667.0
-OPENING = {
+NARROWING = {
     "pre": 0.7,
     "vci": 0.05,
     "rc": 0.0,
@@ -200,10 +200,10 @@ def write_stent(path, tube, crowns=8, rings=9):
         lines.append(range(start, start + count + 1))
         if ring:
             lines.append([start - count, start])
-    write_vtp(path, with_tubes(polydata_from(np.array(points), lines=lines)))
+    write_vtp(path, wrap_in_tubes(polydata_from(np.array(points), lines=lines)))
 
 
-def with_tubes(axes, thickness=0.08):
+def wrap_in_tubes(axes, thickness=0.08):
     tubes, both = vtk.vtkTubeFilter(), vtk.vtkAppendPolyData()
     tubes.SetInputData(axes)
     tubes.SetRadius(0.5 * thickness)
@@ -260,7 +260,7 @@ def build_case(
     """
     folder = pathlib.Path(root) / "cases" / name
     tubes = {
-        state: Tube(OPENING[state] + (change if state != "rc" else 0.0), move=(moves or {}).get(state))
+        state: Tube(NARROWING[state] + (change if state != "rc" else 0.0), move=(moves or {}).get(state))
         for state in states
     }
     for state, tube in tubes.items():
@@ -314,14 +314,14 @@ def write_arm(folder):
     write_json(folder / "half_maximum" / "ffr.json", document)
 
 
-def shortened(folder, first_mm, last_mm, state="post"):
+def shorten_state(folder, first_mm, last_mm, state="post"):
     """Leaves of a state's axis, sections and pull-back what lies between two arc lengths, counted from 0 again."""
     anatomy, flow = folder / state / "anatomy", folder / "flow" / state
     line = read_centreline(anatomy / "centreline.vtp", "main")
     kept = (line.s_mm >= first_mm) & (line.s_mm <= last_mm)
     poly = polydata_from(line.points[kept], lines=[range(int(kept.sum()))])
     add_array(poly.GetPointData(), "s_mm", line.s_mm[kept] - first_mm)
-    add_array(poly.GetPointData(), "curvature_per_mm", line.surveyed_per_mm[kept])
+    add_array(poly.GetPointData(), "curvature_per_mm", line.anatomy_curvature_per_mm[kept])
     names = vtk.vtkStringArray()
     names.SetName("branch_name")
     names.InsertNextValue("main")
@@ -342,7 +342,7 @@ def shortened(folder, first_mm, last_mm, state="post"):
 @pytest.fixture
 def ended():
     """ended(folder, first_mm, last_mm, state="post"): see shortened."""
-    return shortened
+    return shorten_state
 
 
 @pytest.fixture
@@ -360,4 +360,4 @@ def make_case(tmp_path):
 @pytest.fixture
 def tube():
     """tube(state) -> the Tube of a state, for exact values."""
-    return lambda state: Tube(OPENING[state])
+    return lambda state: Tube(NARROWING[state])

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from common.volume import Image, write
-from reports.figures.ct_slices import outline, plane_at, read_volume, show_slice
+from reports.figures.ct_slices import draw_outline, cross_section_plane, read_volume, draw_slice
 from reports.inputs.polyline import Polyline
 from tests.unit.reports.conftest import Tube, add_array, tube_surface, write_vtp
 
@@ -25,10 +25,10 @@ def test_a_slice_lies_where_the_line_is(volume):
     values, origin, spacing = read_volume(volume)
     assert origin == pytest.approx(ORIGIN) and spacing == pytest.approx(SPACING)
     line = Polyline(np.array([[2.0, 0.0, z] for z in np.arange(-5.0, 6.0)]), np.arange(11.0), "test")
-    centre, across = plane_at(line, 4.5)
+    centre, across = cross_section_plane(line, 4.5)
     assert centre == pytest.approx([2.0, 0.0, -0.5]) and across @ [0.0, 0.0, 1.0] == pytest.approx([0.0, 0.0])
     _, axes = plt.subplots()
-    show_slice(axes, values, origin, spacing, centre, across)
+    draw_slice(axes, values, origin, spacing, centre, across)
     grey = axes.images[0].get_array()
     assert grey[100, 100] == pytest.approx(10 * 2.0 - 30 * 0.5, abs=1.0)
     corner = centre - 5.0 * across.sum(0)
@@ -44,7 +44,7 @@ def test_outlines_of_lumen_and_plaque(tmp_path, state, lines):
     write_vtp(tmp_path / "lumen.vtp", surface)
     line = Polyline(tube.frame(tube.s())[0], tube.s(), "test")
     _, axes = plt.subplots()
-    outline(axes, tmp_path / "lumen.vtp", *plane_at(line, place), state)
+    draw_outline(axes, tmp_path / "lumen.vtp", *cross_section_plane(line, place), state)
     assert len(axes.lines) == lines, "plaque belongs to the lumen before the procedure"
     for drawn, radius in zip(axes.lines, (1.6, 2.3)):
         assert np.hypot(*drawn.get_data()) == pytest.approx(radius, abs=0.02)

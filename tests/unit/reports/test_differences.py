@@ -9,7 +9,7 @@ from reports.__main__ import main
 from reports.figures import differences as figure_module
 from reports.inputs.case_files import CaseFiles
 from reports.measuring.metrics import case_metrics
-from reports.study.differences import COHORT, difference_table, station_table
+from reports.study.differences import COHORT_ROW_NAME, difference_table, station_table
 
 STATES = ("pre", "vci", "rc", "reference", "ct", "ct_vci", "ct_rc")
 PAIRS = (("vci", "reference"), ("rc", "reference"), ("ct_vci", "ct"), ("ct_rc", "ct"))
@@ -41,7 +41,7 @@ def test_patients_and_cohort_follow_from_the_stations(documents):
     table = difference_table(documents).set_index(["comparison", "case"])
     for comparison in ("vci_minus_reference", "ct_rc_minus_ct"):
         means = [stations.mean()[comparison, case] for case in ("one", "two")]
-        one, cohort = table.loc[(comparison, "one")], table.loc[(comparison, COHORT)]
+        one, cohort = table.loc[(comparison, "one")], table.loc[(comparison, COHORT_ROW_NAME)]
         assert one["diff_area_mean_mm2"] == pytest.approx(means[0])
         assert one["diff_area_sd_mm2"] == pytest.approx(stations.std(ddof=0)[comparison, "one"])
         assert one["diff_area_mean_size_mm2"] == pytest.approx(
@@ -66,7 +66,7 @@ def test_without_a_lumen_after_pci_the_tables_are_empty(make_case, tmp_path):
 
 def test_the_figure_averages_over_the_patients(documents, tmp_path, monkeypatch):
     drawn = []
-    monkeypatch.setattr(figure_module, "save", lambda figure, *_: drawn.append(figure))
+    monkeypatch.setattr(figure_module, "save_figure", lambda figure, *_: drawn.append(figure))
     figure_module.differences_figure(documents, tmp_path)
     areas = drawn[0].axes[0]
     thick = [line for line in areas.lines if line.get_linewidth() == 2.2]

@@ -11,8 +11,8 @@ from common.errors import InputError
 from reports.__main__ import main
 from reports.inputs.case_files import CaseFiles
 from reports.figures import curves as curves_module
-from reports.figures.curves import SIZE, legend_below
-from reports.figures.lumen import paint_order, panel_grid, view_axes
+from reports.figures.curves import FIGURE_SIZE, legend_below
+from reports.figures.lumen import project_triangles, panel_grid, view_axes
 from reports.measuring.profiles import read_pullback, read_pullback_error
 from reports.inputs.surface import Surface, read_device, read_lumen
 
@@ -65,10 +65,10 @@ def test_the_pull_back_has_the_band_of_its_error(measured_case, tmp_path, monkey
     """Where the error is known; the pull-backs of reduced models have none."""
     folder = measured_case("tube")
     drawn = []
-    monkeypatch.setattr(curves_module, "save", lambda figure, *_: drawn.append(figure))
+    monkeypatch.setattr(curves_module, "save_figure", lambda figure, *_: drawn.append(figure))
     path = folder / "flow" / "vci" / "pullback.csv"
     errors = [repr(0.002 + 1e-5 * k) for k in range(len(path.read_text().splitlines()) - 1)]
-    _with_errors(path, errors)
+    write_pullback_errors(path, errors)
     metrics = json.loads((folder / "metrics.json").read_text())
     curves_module.pullback_figure(CaseFiles("tube", folder), metrics, tmp_path)
     (band,) = [one for one in drawn[0].axes[0].collections if isinstance(one, PolyCollection)]
@@ -78,7 +78,7 @@ def test_the_pull_back_has_the_band_of_its_error(measured_case, tmp_path, monkey
     plt.close(drawn[0])
 
 
-def _with_errors(path, errors):
+def write_pullback_errors(path, errors):
     """Gives the pull-back its errors, for which `make_case` leaves the last column empty."""
     lines = path.read_text().splitlines()
     path.write_text("\n".join([lines[0], *map("".join, zip(lines[1:], errors))]) + "\n")
@@ -88,9 +88,9 @@ def _with_errors(path, errors):
 def test_a_wide_band_lies_within_the_axes(measured_case, tmp_path, monkeypatch, error, share):
     """Cut off it would look narrower than it is; but no FFR is below 0."""
     folder, drawn = measured_case("tube"), []
-    monkeypatch.setattr(curves_module, "save", lambda figure, *_: drawn.append(figure))
+    monkeypatch.setattr(curves_module, "save_figure", lambda figure, *_: drawn.append(figure))
     path = folder / "flow" / "vci" / "pullback.csv"
-    _with_errors(path, [repr(error)] * (len(path.read_text().splitlines()) - 1))
+    write_pullback_errors(path, [repr(error)] * (len(path.read_text().splitlines()) - 1))
     metrics = json.loads((folder / "metrics.json").read_text())
     curves_module.pullback_figure(CaseFiles("tube", folder), metrics, tmp_path)
     (axes,) = drawn[0].axes
@@ -104,7 +104,7 @@ def test_an_error_of_the_pull_back_that_is_none_is_refused(measured_case, bad):
     folder = measured_case("tube")
     path, branch = folder / "flow" / "vci" / "pullback.csv", "main"
     count = len(path.read_text().splitlines()) - 1
-    _with_errors(path, ["", "0.0", "0.002", *[""] * (count - 4), bad])
+    write_pullback_errors(path, ["", "0.0", "0.002", *[""] * (count - 4), bad])
     with pytest.raises(InputError, match="ffr_error_estimate") as refusal:
         read_pullback_error(path, branch)
     assert bad in str(refusal.value)
@@ -115,7 +115,7 @@ def test_an_error_of_the_pull_back_that_is_none_is_refused(measured_case, bad):
 
 @pytest.mark.parametrize("curves", [1, 2, 5])
 def test_the_legend_lies_under_the_axis_label(curves):
-    figure, axes = plt.subplots(figsize=SIZE)
+    figure, axes = plt.subplots(figsize=FIGURE_SIZE)
     for k in range(curves):
         axes.plot([0, 1], [0, k], label=f"Reference (finite elements) {k}: mean 12.61 mm²")
     axes.set_xlabel("distance (mm)")
@@ -138,7 +138,7 @@ def test_view_looks_along_the_least_extent():
 
 def test_near_triangles_face_the_viewer():
     surface = Surface(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2], [0, 2, 1]]))
-    assert paint_order(surface, np.eye(3))["near"].tolist() == [True, False]
+    assert project_triangles(surface, np.eye(3))["near"].tolist() == [True, False]
 
 
 @pytest.mark.parametrize(

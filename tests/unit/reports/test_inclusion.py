@@ -3,10 +3,10 @@
 import pytest
 
 from reports.study.agreement import agreement_table
-from reports.study.differences import COHORT, difference_table
-from reports.study.inclusion import analysed, groups
+from reports.study.differences import COHORT_ROW_NAME, difference_table
+from reports.study.inclusion import analysed_documents, patient_groups
 from reports.study.nearer import nearer_table
-from reports.page.agreement import left_out
+from reports.page.agreement import excluded_patients
 
 
 def patient(case, before, vci, reference=0.9):
@@ -51,15 +51,15 @@ def test_nobody_of_the_others_is_in_the_statistics(documents):
 def test_each_group_has_its_own_mean_along_the_stent(documents):
     table = difference_table(documents)
     table = table[table["comparison"] == "vci_minus_reference"].set_index(["patients", "case"])
-    assert list(table.index.get_level_values("case")) == ["a", "b", COHORT, "mild", "unknown", COHORT]
-    assert table.loc[("included", COHORT), "diff_area_mean_mm2"] == pytest.approx(0.03)
-    assert table.loc[("excluded", COHORT), "n"] == 2
+    assert list(table.index.get_level_values("case")) == ["a", "b", COHORT_ROW_NAME, "mild", "unknown", COHORT_ROW_NAME]
+    assert table.loc[("included", COHORT_ROW_NAME), "diff_area_mean_mm2"] == pytest.approx(0.03)
+    assert table.loc[("excluded", COHORT_ROW_NAME), "n"] == 2
 
 
 def test_figures_show_the_included_or_else_the_others(documents):
-    assert [one["case"] for one in analysed(documents)] == ["a", "b"]
-    assert [one["case"] for one in analysed(documents[1:2])] == ["mild"]
-    assert analysed([]) == [] and [name for name, _ in groups(documents[:1])] == ["included"]
+    assert [one["case"] for one in analysed_documents(documents)] == ["a", "b"]
+    assert [one["case"] for one in analysed_documents(documents[1:2])] == ["mild"]
+    assert analysed_documents([]) == [] and [name for name, _ in patient_groups(documents[:1])] == ["included"]
 
 
 def test_who_is_left_out_and_why():
@@ -68,15 +68,15 @@ def test_who_is_left_out_and_why():
         {"case": "mild", "ffr_criterion": 0.8},
         {"case": "x", "ffr_criterion": None},
     ]
-    assert left_out(rows) == [("mild", "FFR before PCI 0.80"), ("x", "FFR before PCI not known")]
+    assert excluded_patients(rows) == [("mild", "FFR before PCI 0.80"), ("x", "FFR before PCI not known")]
 
 
 def test_the_pressure_wire_decides(documents):
     computed, measured = documents[1], documents[0]
     computed["measured"], measured["measured"] = {"ffr_pre": 0.79}, {"ffr_pre": 0.81}
-    assert [(name, [one["case"] for one in found]) for name, found in groups(documents[:2])] == [
+    assert [(name, [one["case"] for one in found]) for name, found in patient_groups(documents[:2])] == [
         ("included", ["mild"]),
         ("excluded", ["a"]),
     ]
     computed["measured"] = {"ffr_pre": None}
-    assert [name for name, _ in groups([computed])] == ["excluded"]
+    assert [name for name, _ in patient_groups([computed])] == ["excluded"]

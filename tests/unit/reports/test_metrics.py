@@ -167,7 +167,7 @@ def test_a_solution_that_did_not_converge_is_refused(make_case):
 
 
 def test_every_answer_of_the_flow_solver_is_read(make_case):
-    assert profiles.ANSWERED == solved_mesh.STATUSES
+    assert profiles.ACCEPTED_STATUSES == solved_mesh.STATUSES
     folder = make_case()
     path = folder / "flow" / "vci" / "ffr.json"
     for status in solved_mesh.STATUSES:

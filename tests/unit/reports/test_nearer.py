@@ -7,7 +7,7 @@ import pytest
 
 from reports.page.agreement import agreement_rows
 from reports.page.build import lower_first, signed
-from reports.study.nearer import nearer_table, verdict
+from reports.study.nearer import nearer_table, paired_test
 from reports.study.agreement import agreement_table
 
 NEAR, FAR = 0.01 * np.arange(1, 10), 0.01 * np.arange(1, 10) + 0.002 * np.arange(1, 10)
@@ -23,18 +23,18 @@ NEAR, FAR = 0.01 * np.arange(1, 10), 0.01 * np.arange(1, 10) + 0.002 * np.arange
     ],
 )
 def test_the_word_of_nine_patients(vci, rc, word, nearer):
-    found = verdict(vci, rc, 0.0)
+    found = paired_test(vci, rc, 0.0)
     assert (found["vci_is"], found["patients_vci_nearer"], found["n"]) == (word, nearer, 9)
     assert found["error_vci"] == pytest.approx(np.mean(vci)) and found["error_rc"] == pytest.approx(np.mean(rc))
 
 
 def test_the_p_of_pairs_that_all_point_one_way():
-    assert verdict(NEAR, FAR, 0.0)["p"] == pytest.approx(2 / 2**9)
-    assert verdict(NEAR[:6], FAR[:6], 0.0)["p"] == pytest.approx(2 / 2**6)
+    assert paired_test(NEAR, FAR, 0.0)["p"] == pytest.approx(2 / 2**9)
+    assert paired_test(NEAR[:6], FAR[:6], 0.0)["p"] == pytest.approx(2 / 2**6)
 
 
 def test_five_patients_are_too_few():
-    found = verdict(NEAR[:5], FAR[:5], 0.0)
+    found = paired_test(NEAR[:5], FAR[:5], 0.0)
     assert found["p"] is None and found["vci_is"] == "no difference shown" and found["patients_vci_nearer"] == 5
 
 

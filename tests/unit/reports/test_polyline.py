@@ -27,7 +27,7 @@ def test_projects_on_the_nearest_point(point, s, distance):
 def test_at_and_project_are_inverse():
     line = corner()
     for s in (0.0, 3.3, 10.0, 12.7, 15.0):
-        assert line.project(line.at(s)) == pytest.approx((s, 0.0), abs=1e-12)
+        assert line.project(line.point_at(s)) == pytest.approx((s, 0.0), abs=1e-12)
 
 
 @pytest.mark.parametrize(

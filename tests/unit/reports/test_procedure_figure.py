@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from common.errors import InputError
-from reports.figures.procedure import BALLOON, STENT, place_of, procedure_figure, steps_of
+from reports.figures.procedure import BALLOON_COLOUR, STENT_COLOUR, stage_rows, procedure_figure, step_names
 
 STAGES = ("deployment-to-contact", "contact-to-balance", "balloon-extraction")
 
@@ -44,14 +44,14 @@ def frames(tmp_path):
     return tmp_path
 
 
-def blue(picture):
+def blue_share(picture):
     """Share of a picture's pixels that have the balloon's hue."""
     red, _, blue = (picture[..., k] for k in range(3))
-    return np.mean(blue - red > 0.25 * (BALLOON[2] - BALLOON[0]))
+    return np.mean(blue - red > 0.25 * (BALLOON_COLOUR[2] - BALLOON_COLOUR[0]))
 
 
 def test_a_row_a_step_and_a_balloon_only_while_it_is_there(frames):
-    assert STENT[2] - STENT[0] < 0.1, "the stent is not blue"
+    assert STENT_COLOUR[2] - STENT_COLOUR[0] < 0.1, "the stent is not blue"
     _, png = procedure_figure("one", frames / "deployment.json", frames / "frames", frames)
     picture = matplotlib.image.imread(png)
     height, width = picture.shape[:2]
@@ -59,15 +59,15 @@ def test_a_row_a_step_and_a_balloon_only_while_it_is_there(frames):
         [picture[i * height // 2 : (i + 1) * height // 2, j * width // 3 : (j + 1) * width // 3] for j in range(3)]
         for i in range(2)
     ]
-    assert blue(panels[0][0]) > 0.05 and blue(panels[0][1]) > 0.05
-    assert blue(panels[0][2]) == 0.0 and blue(panels[1][2]) == 0.0
-    assert blue(panels[1][0]) < 0.02, "a stent as long as its balloon hides it"
+    assert blue_share(panels[0][0]) > 0.05 and blue_share(panels[0][1]) > 0.05
+    assert blue_share(panels[0][2]) == 0.0 and blue_share(panels[1][2]) == 0.0
+    assert blue_share(panels[1][0]) < 0.02, "a stent as long as its balloon hides it"
 
 
 def test_steps_of_the_same_name_have_their_own_rows():
     stages = [{"step": step, "stage": stage} for step in ("stent", "stent") for stage in STAGES]
-    assert place_of(stages) == [(0, True), (0, False), (0, False), (1, True), (1, False), (1, False)]
-    assert steps_of(stages) == ["stent", "stent"]
+    assert stage_rows(stages) == [(0, True), (0, False), (0, False), (1, True), (1, False), (1, False)]
+    assert step_names(stages) == ["stent", "stent"]
 
 
 def test_a_frame_that_is_missing_is_named(frames):

@@ -14,7 +14,7 @@ from reports.study.cohort import cohort_table
 from reports.study.contrast import contrast_table
 from reports.figures.case import case_figures
 from reports.figures.study import study_figures
-from reports.measuring.measured import same_side
+from reports.measuring.pressure_wire import same_decision_share
 from reports.measuring.metrics import case_metrics
 from reports.page.build import build_report
 from reports.selection.flow_chart import inclusion_figure
@@ -72,7 +72,7 @@ def test_agreement_with_post_and_wire(make_case):
 
 @pytest.mark.parametrize("computed, measured, share", [((0.8, 0.9), (0.7, 0.81), 1.0), ((0.81, 0.9), (0.8, 0.85), 0.5)])
 def test_decisions(computed, measured, share):
-    assert same_side(computed, measured) == share
+    assert same_decision_share(computed, measured) == share
 
 
 def test_areas_only(make_case):

@@ -10,9 +10,9 @@ import pytest
 from common.errors import ComputationError, InputError
 from reports.__main__ import main
 from reports.page.benchmarks import TITLES
-from reports.page.check import browse, check_report, console_messages, outside_references
-from reports.page.build import fixed, signed, signed_small, signed_to, to_digits
-from reports.page.evidence import evidence_rows, read_results
+from reports.page.check import run_browser, check_report, console_messages, outside_references
+from reports.page.build import fixed, signed, signed_decimals, signed_significant, significant
+from reports.page.evidence import evidence_rows, read_test_results
 
 POLICY = '<meta http-equiv="Content-Security-Policy" content="default-src \'none\'">'
 JUNIT = """<testsuites><testsuite>
@@ -108,7 +108,7 @@ def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
     if shutil.which("chromium"):
         check_report(path, tmp_path / "shot.png")
         assert (tmp_path / "shot.png").stat().st_size > 20000
-        page, _ = browse(path, "--dump-dom", at="case-tube")
+        page, _ = run_browser(path, "--dump-dom", anchor="case-tube")
         assert page.count("<canvas") == 1 and 'class="stage live"' in page
 
 
@@ -305,14 +305,14 @@ def test_a_suite_of_compiled_tests_is_one_row(tmp_path):
     names = ("tests.verification.vci.Tube.Thick", "tests.verification.vci.Tube.Thin", "tests.unit.anatomy.Ends/A.Cut/0")
     cases = "".join(f'<testcase name="{name}" classname="{name}" time="0.5" status="run"/>' for name in names)
     (tmp_path / "junit.xml").write_text(f"<testsuite>{cases}</testsuite>")
-    tubes, ends = evidence_rows(read_results([tmp_path / "junit.xml"]))
+    tubes, ends = evidence_rows(read_test_results([tmp_path / "junit.xml"]))
     assert (tubes["kind"], tubes["part"], tubes["tests"], tubes["passed"]) == ("verification", "vci", "Tube", 2)
     assert (ends["kind"], ends["part"], ends["passed"]) == ("unit", "anatomy", 1)
 
 
 def test_evidence_counts_each_outcome(tmp_path):
     (tmp_path / "junit.xml").write_text(JUNIT)
-    first, second = evidence_rows(read_results([tmp_path / "junit.xml"]))
+    first, second = evidence_rows(read_test_results([tmp_path / "junit.xml"]))
     assert (first["kind"], first["part"], first["passed"], first["skipped"]) == ("verification", "flow", 1, 1)
     assert (second["kind"], second["part"], second["failed"], second["reasons"]) == ("unit", "vci", 1, ["1 != 2"])
 
@@ -321,14 +321,26 @@ def test_evidence_counts_each_outcome(tmp_path):
 def test_what_is_no_test_result_is_refused(tmp_path, text):
     (tmp_path / "junit.xml").write_text(text)
     with pytest.raises(InputError):
-        read_results([tmp_path / "junit.xml"])
+        read_test_results([tmp_path / "junit.xml"])
 
 
 def test_numbers_as_they_are_shown():
     assert signed(-0.02) == "−0.02" and signed(0.123, 1) == "+0.1" and signed(-0.001) == "0.00"
-    assert signed_small(-0.00012345, 3) == "−0.00012" and signed_small(0.0123, 3) == "+0.012"
-    assert signed_small(1e-9, 3) == "0.000000" and signed_small(0.0, 3) == "0.000" and signed_small(None, 3) == "–"
-    assert signed_to(-0.00012345) == "−0.00012" and signed_to(0.0) == "0.0" and signed_to(12.34) == "+12"
-    assert to_digits(0.0996) == "0.100" and to_digits(1.55) == "1.6" and to_digits(None) == signed_to(None) == "–"
+    assert signed_decimals(-0.00012345, 3) == "−0.00012" and signed_decimals(0.0123, 3) == "+0.012"
+    assert (
+        signed_decimals(1e-9, 3) == "0.000000"
+        and signed_decimals(0.0, 3) == "0.000"
+        and signed_decimals(None, 3) == "–"
+    )
+    assert (
+        signed_significant(-0.00012345) == "−0.00012"
+        and signed_significant(0.0) == "0.0"
+        and signed_significant(12.34) == "+12"
+    )
+    assert (
+        significant(0.0996) == "0.100"
+        and significant(1.55) == "1.6"
+        and significant(None) == signed_significant(None) == "–"
+    )
     assert fixed(None) == "–" and fixed(98000, 0) == "98,000"
     assert json.dumps(fixed(1.005, 1)) == '"1.0"'

@@ -5,13 +5,13 @@ import pytest
 
 from common.errors import InputError
 from reports.__main__ import main, parser
-from reports.study.agreement import agreement_table, published
+from reports.study.agreement import agreement_table, published_results
 from reports.inputs.case_files import CaseFiles
 from reports.study.cohort import cohort_table
 from reports.measuring.metrics import case_metrics
 from reports.page import build
 from reports.record import numbers
-from reports.study.seconds import by_case, seconds_table, stage_seconds
+from reports.study.seconds import seconds_by_group, seconds_table, stage_seconds
 from reports.study.tables import WRITTEN_BY, study_table
 from reports.study.timings import timings_table
 from workflow.__main__ import main as workflow
@@ -71,7 +71,7 @@ def test_four_errors_are_kept_apart(make_case):
 
 
 def test_published_limits_follow_from_bias_and_sd_where_the_note_says_so():
-    paper = published()["quantities"]
+    paper = published_results()["quantities"]
     for name, tolerance in (("mean_area", 0.06), ("mean_curvature", 0.03)):
         row = paper[name]
         assert row["bias"] == pytest.approx(row["predicted"]["mean"] - row["reference"]["mean"], abs=0.011)
@@ -105,7 +105,7 @@ def test_seconds_by_stage_and_step():
     rows += [("one", "vci/postdilatation_2/contact-to-balance", 4.0), ("two", "vci/stent/balloon-extraction", 7.0)]
     rows += [("one", "vci/anatomy/remesh", 50.0), ("one", "vci", 9.0), ("one", "ct_vci/stent/balloon-extraction", 60.0)]
     timings = pd.DataFrame([{"case": c, "step": s, "source": "program", "seconds": t} for c, s, t in rows])
-    groups = by_case(stage_seconds(timings))
+    groups = seconds_by_group(stage_seconds(timings))
     assert groups["stage", "balloon-extraction"].tolist() == [5.0, 7.0]
     assert groups["step", "postdilatation"].tolist() == [7.0], "both post-dilatations of the one patient"
     assert groups["all", "procedure"].tolist() == [9.0, 7.0]

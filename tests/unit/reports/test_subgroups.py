@@ -16,7 +16,7 @@ def cohort(tmp_path):
 
     def add(number, artery, difference=None, error=None):
         file = tmp_path / "cohort" / "shards" / "0001" / "cases" / f"p{number}.yaml"
-        case = draw.one(1, 1)
+        case = draw.draw_patient(1, 1)
         case["vessel"]["artery"] = artery
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(yaml.safe_dump(case))

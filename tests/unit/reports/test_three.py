@@ -11,22 +11,22 @@ import pytest
 
 from common.errors import InputError
 from reports.inputs.surface import Surface
-from reports.page.geometry import STEPS, ordered, pack_surface
-from reports.page.assets import THREE, image_uri, three_script, three_version
+from reports.page.geometry import QUANTISATION_STEPS, order_for_compression, pack_surface
+from reports.page.assets import THREE_FOLDER, image_uri, three_script, three_version
 
 BUNDLE = pathlib.Path("build/three.min.js")
 
 
 def test_the_bundle_is_of_the_pinned_version():
-    lock = json.loads((THREE / "package-lock.json").read_text())["packages"]
+    lock = json.loads((THREE_FOLDER / "package-lock.json").read_text())["packages"]
     assert lock["node_modules/three"]["version"] == three_version()
     revision = three_version().split(".")[1]
     assert f'"{revision}"' in three_script(BUNDLE), "THREE.REVISION"
 
 
 def test_the_viewer_uses_nothing_that_the_bundle_lacks():
-    exported = set(re.findall(r"\w+", (THREE / "entry.js").read_text().split("*/")[1]))
-    templates = THREE.parent / "templates"
+    exported = set(re.findall(r"\w+", (THREE_FOLDER / "entry.js").read_text().split("*/")[1]))
+    templates = THREE_FOLDER.parent / "templates"
     used = {name for file in templates.glob("*.js") for name in re.findall(r"THREE\.(\w+)", file.read_text())}
     assert used and used <= exported
 
@@ -40,7 +40,7 @@ const fs = require("fs"), vm = require("vm");
 globalThis.window = globalThis;
 for (const file of process.argv.slice(1, 3)) vm.runInThisContext(fs.readFileSync(file, "utf8"));
 const { packed, bounds } = JSON.parse(fs.readFileSync(0, "utf8"));
-const shape = window.vciViewer.geometry(packed, bounds);
+const shape = window.vciViewer.unpackGeometry(packed, bounds);
 console.log(JSON.stringify([Array.from(shape.getAttribute("position").array), Array.from(shape.index.array)]));
 """
 
@@ -56,9 +56,9 @@ def test_the_viewer_unpacks_the_surface_that_was_packed(count):
     shuffled = np.random.default_rng(1).permutation(count * count)
     surface = Surface(points[np.argsort(shuffled)], shuffled[triangles])
     low, high = points.min(0), points.max(0)
-    packed = pack_surface(ordered(surface), low, high)
-    assert packed["wide"] == (count * count > STEPS)
-    script = THREE.parent / "templates" / "viewer.js"
+    packed = pack_surface(order_for_compression(surface), low, high)
+    assert packed["wide"] == (count * count > QUANTISATION_STEPS)
+    script = THREE_FOLDER.parent / "templates" / "viewer.js"
     text = json.dumps({"packed": packed, "bounds": [low.tolist(), high.tolist()]})
     done = subprocess.run(["node", "-e", UNPACK, BUNDLE, script], input=text, text=True, capture_output=True)
     assert done.returncode == 0, done.stderr
@@ -66,7 +66,7 @@ def test_the_viewer_unpacks_the_surface_that_was_packed(count):
 
     def corners(p, t):
         """Triangles by their quantised points, each from its lowest point on, in one order: (m, 9) integers."""
-        steps = np.rint((p - low) / (high - low) * STEPS).astype(int)
+        steps = np.rint((p - low) / (high - low) * QUANTISATION_STEPS).astype(int)
         rank = np.unique(steps, axis=0, return_inverse=True)[1][t]
         turned = (rank.argmin(1)[:, None] + np.arange(3)) % 3
         rows = steps[np.take_along_axis(t, turned, 1)].reshape(-1, 9)

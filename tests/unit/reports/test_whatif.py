@@ -8,9 +8,9 @@ import pytest
 from common.files import sha256
 from reports.__main__ import main
 from reports.inputs.case_files import CaseFiles
-from reports.whatif.rows import planner_context
-from reports.whatif.tables import range_in_words, ranking, tornado
-from reports.whatif.tornado import interval_of, of_panel
+from reports.whatif.page_context import planner_context
+from reports.whatif.tables import range_in_words, read_ranking, read_sensitivity
+from reports.whatif.tornado import widest_interval, panel_rows
 from whatif.plans import COLUMNS as RANKING
 from whatif.sampling import COLUMNS, INTERVAL_COLUMNS
 
@@ -41,9 +41,9 @@ def write(folder, source, rows, intervals):
 
 
 def test_bars_are_sorted_by_what_they_move_and_one_end_may_be_missing(folder):
-    table = tornado(folder)
-    assert of_panel(table, "vci", "ffr")["input"].tolist() == ["split", "mass"]
-    assert of_panel(table, "pre", "ffr")["swing"].tolist() == pytest.approx([0.05])
+    table = read_sensitivity(folder)
+    assert panel_rows(table, "vci", "ffr")["input"].tolist() == ["split", "mass"]
+    assert panel_rows(table, "pre", "ffr")["swing"].tolist() == pytest.approx([0.05])
 
 
 def test_ranges_in_words():
@@ -52,10 +52,10 @@ def test_ranges_in_words():
 
 
 def test_the_interval_is_that_of_most_inputs(folder):
-    assert interval_of({"flow": pd.DataFrame([NARROW], columns=INTERVAL_COLUMNS)}, "vci", "ffr")["lower"] == 0.92
+    assert widest_interval({"flow": pd.DataFrame([NARROW], columns=INTERVAL_COLUMNS)}, "vci", "ffr")["lower"] == 0.92
     both = {key: pd.DataFrame([row], columns=INTERVAL_COLUMNS) for key, row in (("flow", NARROW), ("deployment", WIDE))}
-    assert interval_of(both, "vci", "ffr")["lower"] == 0.91
-    assert interval_of(both, "pre", "ffr") is None
+    assert widest_interval(both, "vci", "ffr")["lower"] == 0.91
+    assert widest_interval(both, "pre", "ffr") is None
 
 
 def test_the_figure_is_drawn_with_and_without_the_deployment(folder, tmp_path):
@@ -84,11 +84,11 @@ def test_a_flow_of_an_earlier_lumen_or_boundary_is_left_out(folder, capsys):
     rows = [{"plan": "planned", "ffr": 0.94, "lumen_sha256": "aa"}]
     pd.DataFrame(rows).reindex(columns=RANKING).to_csv(folder / "plans" / "ranking.csv", index=False)
     boundary = solve(folder)
-    assert ranking(folder)[0]["ffr_3d"] == 0.943 and not capsys.readouterr().err
+    assert read_ranking(folder)[0]["ffr_3d"] == 0.943 and not capsys.readouterr().err
     boundary.write_text('{"map_pa": 12000}')
-    assert ranking(folder)[0]["ffr_3d"] is None and "ask Snakemake for it again" in capsys.readouterr().err
+    assert read_ranking(folder)[0]["ffr_3d"] is None and "ask Snakemake for it again" in capsys.readouterr().err
     solve(folder, lumen="cc")
-    assert ranking(folder)[0]["ffr_3d"] is None
+    assert read_ranking(folder)[0]["ffr_3d"] is None
 
 
 def test_a_varied_deployment_of_an_earlier_answer_is_left_out(folder, capsys):

@@ -28,23 +28,23 @@ inline void add_sheet(System& system, int n, double edge, const Vec3& corner, bo
 }
 
 /// Minus the contact matrix times a displacement.
-inline Vectors answer(const std::vector<StencilStiffness>& links, const Vectors& dx) {
+inline Vectors predicted_change(const std::vector<StencilStiffness>& stencils, const Vectors& dx) {
   Vectors f(dx.size(), Vec3::Zero());
-  for (const StencilStiffness& link : links) {
+  for (const StencilStiffness& stencil : stencils) {
     Vec3 r = Vec3::Zero();
     for (int k = 0; k < 4; ++k)
-      r += link.weight[k] * dx[link.vertex[k]];
+      r += stencil.weight[k] * dx[stencil.vertex[k]];
     for (int k = 0; k < 4; ++k)
-      f[link.vertex[k]] -= link.weight[k] * (link.stiffness() * r);
+      f[stencil.vertex[k]] -= stencil.weight[k] * (stencil.stiffness() * r);
   }
   return f;
 }
 
-inline std::vector<StencilStiffness> links_of(const std::vector<ContactPoint>& points) {
-  std::vector<StencilStiffness> links;
+inline std::vector<StencilStiffness> stencils_of(const std::vector<ContactPoint>& points) {
+  std::vector<StencilStiffness> stencils;
   for (const ContactPoint& p : points)
-    links.push_back(p.stencil);
-  return links;
+    stencils.push_back(p.stencil);
+  return stencils;
 }
 
 inline double norm(const Vectors& f) {

@@ -51,7 +51,7 @@ inline Eigen::MatrixXd stiffness_of(Force& force, const Vectors& x, bool exact =
     all[i] = i;
   pattern.add(all);
   BlockMatrix matrix(std::move(pattern));
-  force.link(matrix);
+  force.locate_blocks(matrix);
   Vectors f(x.size(), Vec3::Zero()), unit = f, column = f;
   force.evaluate(x, f, &matrix, exact);
   Eigen::MatrixXd dense(3 * n, 3 * n);

@@ -44,7 +44,8 @@ template <class Map> Vectors mapped(const Vectors& points, Map map) {
 /// Largest distance (mm) between carried points and their exact places, more than an edge of 0.8 mm from the ends.
 template <class Map> double largest_error(double edge, Map map) {
   const Tube coarse = tube(edge), fine = tube(0.17);
-  const Vectors found = CarriedPoints(coarse.triangles, coarse.points, fine.points).moved(mapped(coarse.points, map));
+  const Vectors found =
+      CarriedPoints(coarse.triangles, coarse.points, fine.points).displaced_points(mapped(coarse.points, map));
   double largest = 0;
   for (std::size_t k = 0; k < found.size(); ++k)
     if (fine.points[k].z() > 0.8 && fine.points[k].z() < tube_length - 0.8)
@@ -84,9 +85,9 @@ TEST(CarriedPoints, ValuesAreLinearAndDistancesKnown) {
   std::vector<double> z;
   for (const Vec3& p : coarse.points)
     z.push_back(p.x());
-  EXPECT_NEAR(carried.values(z)[0], points[0].x(), 1e-12);
-  EXPECT_NEAR(carried.distance()[0], 0, 1e-12);
-  EXPECT_NEAR(carried.distance()[1], 1, 0.06);
+  EXPECT_NEAR(carried.interpolate(z)[0], points[0].x(), 1e-12);
+  EXPECT_NEAR(carried.distances()[0], 0, 1e-12);
+  EXPECT_NEAR(carried.distances()[1], 1, 0.06);
   EXPECT_THROW(CarriedPoints({}, {}, points), std::invalid_argument);
 }
 

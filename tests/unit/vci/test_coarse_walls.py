@@ -39,15 +39,15 @@ def test_points_at_rest_do_not_count():
 
 
 def test_summary_takes_the_median_time_and_the_largest_error_of_each_mesh():
-    keys = ("case", "wall_edge_mm", "device_edge_mm", "cpu_seconds", *coarse_walls.ERRORS)
-    found = [
+    keys = ("case", "wall_edge_mm", "device_edge_mm", "cpu_seconds", *coarse_walls.ERROR_COLUMNS)
+    rows_of_cases = [
         dict(zip(keys, row))
         for row in (("a", 0.8, 0.9, 2, 0.1, -0.5), ("b", 0.8, 0.9, 4, -0.3, 0.2), ("a", None, None, 9, 0, 0))
     ]
-    rows = list(coarse_walls.summary(found))
+    rows = list(coarse_walls.summary_rows(rows_of_cases))
     assert [row["balanced"] for row in rows] == ["2 of 2", "1 of 2"]
     assert rows[0]["median_cpu_seconds"] == 3 and rows[0]["largest_cpu_seconds"] == 4
-    assert [rows[0][f"largest_{key}"] for key in coarse_walls.ERRORS] == [-0.3, -0.5]
+    assert [rows[0][f"largest_{key}"] for key in coarse_walls.ERROR_COLUMNS] == [-0.3, -0.5]
     assert rows[0]["median_mean_csa_error_percent"] == pytest.approx(0.2)
 
 

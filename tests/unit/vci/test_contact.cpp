@@ -47,7 +47,7 @@ TEST(BroadPhase, FindsWhatASearchOverAllTrianglesFinds) {
     for (int k = 0; k < 100; ++k) {
       const Vec3 p(number(random) + 1, number(random) - 1, number(random) + 2);
       constexpr double reach = 1.5, slack = 0.4;
-      boxes.near(p, triangles, x, reach, slack, -1, found);
+      boxes.find_near(p, triangles, x, reach, slack, -1, found);
       double nearest = 1e300;
       std::vector<double> distance;
       for (const Triangle& f : triangles) {
@@ -149,7 +149,7 @@ TEST(ContactRamp, ItsPartsFadeEachWithItsShareAndBelongTogether) {
 
 /// Contact of a small pyramid, body 1 with its tip at (0.1, 0, height) and its base at `base`, on a flat sheet (normal
 /// +z).
-std::vector<ContactPoint> pyramid_on_sheet(double base, double height, const Triangles& pyramid, ContactSides sides,
+std::vector<ContactPoint> pyramid_on_sheet(double base, double height, const Triangles& pyramid, ContactScope sides,
                                            Vectors& force) {
   System system;
   const Vectors sheet{{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, {0, 0, 0}};
@@ -186,13 +186,13 @@ TEST(SurfaceContact, PushesApartOnBothSidesOfTheSurfaceAndBalances) {
 }
 
 /// The pyramid above the sheet, facing it; tip and sheet are `gap` apart.
-std::vector<ContactPoint> facing_sheets(double gap, ContactSides sides, Vectors& force) {
+std::vector<ContactPoint> facing_sheets(double gap, ContactScope sides, Vectors& force) {
   return pyramid_on_sheet(.4, gap, {{0, 4, 1}, {1, 4, 2}, {2, 4, 3}, {3, 4, 0}}, std::move(sides), force);
 }
 
 TEST(SurfaceContact, SideBySideSurfacesPushOneAnotherAway) {
   Vectors force;
-  const ContactSides beside{false, {}, {}};
+  const ContactScope beside{false, {}, {}};
   EXPECT_TRUE(facing_sheets(0.05, beside, force).empty());
   for (double gap : {0.0, -0.1}) {
     const std::vector<ContactPoint> points = facing_sheets(gap, beside, force);
@@ -283,7 +283,7 @@ TEST(Tie, StartsWithTheContactForceAndHoldsBothWays) {
   const ContactPoint point{
       {{0, 1, 2, 3}, {-1, 0.5, 0.25, 0.25}, Vec3::UnitZ(), 6, 0}, 0.1, 0.0, 0.3, Vec3::Zero(), nullptr};
   Vectors x{{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  const Tie tie = tie_of(point, x, 60);
+  const Tie tie = make_tie(point, x, 60);
   Vectors f(4, Vec3::Zero());
   add_tie_forces({tie}, x, f);
   EXPECT_NEAR(f[0][2], -0.3, 1e-12);

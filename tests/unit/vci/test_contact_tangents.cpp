@@ -11,25 +11,25 @@ using namespace contact_checks;
 
 /// A wall in z = 0 and a device below it (nested) or above it (beside), smaller triangles, not vertex over vertex,
 /// beyond the wall's edge on one side and over a window in it.
-struct Pair {
+struct SheetPair {
   System system;
-  ContactSides sides;
+  ContactScope sides;
   ContactSettings settings;
-  Vectors lift; ///< of the device, along z away from the wall, per mm of gap
-  explicit Pair(bool nested) {
+  Vectors gap_direction; ///< of the device, along z away from the wall, per mm of gap
+  explicit SheetPair(bool nested) {
     add_sheet(system, 8, 0.5, {0, 0, 0}, true);
     add_sheet(system, 9, 0.41, {-0.85, 0.133, 0}, nested);
     sides.nested = nested;
     sides.outer_excluded.assign(64, 0);
     for (int v : {4 * 8 + 3, 4 * 8 + 4, 4 * 8 + 5, 2 * 8 + 6, 6 * 8 + 2})
       sides.outer_excluded[v] = 1;
-    lift.assign(system.x.size(), Vec3::Zero());
+    gap_direction.assign(system.x.size(), Vec3::Zero());
     for (int v = 64; v < system.vertices(); ++v)
-      lift[v][2] = nested ? -1 : 1;
+      gap_direction[v][2] = nested ? -1 : 1;
   }
   std::vector<ContactPoint> at(double gap, SurfaceContact& contact) {
     for (int v = 64; v < system.vertices(); ++v)
-      system.x[v][2] = gap * lift[v][2];
+      system.x[v][2] = gap * gap_direction[v][2];
     std::vector<ContactPoint> points;
     contact.detect(system, area_vectors(system), points);
     return points;
@@ -40,7 +40,7 @@ struct Pair {
     return f;
   }
   /// How much of the surface a point's projection lies on is there, told anew from the flags.
-  ContactFade seen(const ContactPoint& p) const {
+  ContactFade fade_of(const ContactPoint& p) const {
     const Body& target = system.body(p.stencil.vertex[0] < 64 ? 1 : 0);
     double ends = 1, windows = 1, both = 1;
     for (int k = 1; k < 4; ++k) {
@@ -63,7 +63,7 @@ TEST(SurfaceContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
   for (bool nested : {true, false})
     for (bool smooth : {true, false})
       for (const auto& [name, gap] : depths) {
-        Pair pair(nested);
+        SheetPair pair(nested);
         pair.settings.smooth = smooth;
         SurfaceContact follows(1, 0, pair.settings, pair.sides);
         EXPECT_EQ(norm(pair.force(0.1, follows)), 0) << "far, nothing touches";
@@ -76,8 +76,8 @@ TEST(SurfaceContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
             double sum = 0;
             area = 0;
             for (const ContactPoint& p : pair.at(g, c)) {
-              const ContactFade seen = pair.seen(p);
-              sum += p.area / seen.ordinary * penalty_response(p.gap, pair.settings, seen).energy;
+              const ContactFade fade = pair.fade_of(p);
+              sum += p.area / fade.ordinary * penalty_response(p.gap, pair.settings, fade).energy;
               area += p.area;
             }
             return sum;
@@ -89,10 +89,10 @@ TEST(SurfaceContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
           const std::vector<ContactPoint> points = pair.at(gap, here);
           Vectors f(up.size(), Vec3::Zero());
           add_contact_forces(points, f);
-          const Vectors predicted = answer(links_of(points), pair.lift);
+          const Vectors predicted = predicted_change(stencils_of(points), pair.gap_direction);
           double along = 0;
           for (std::size_t v = 0; v < f.size(); ++v) {
-            along += f[v].dot(pair.lift[v]);
+            along += f[v].dot(pair.gap_direction[v]);
             EXPECT_LT(((up[v] - down[v]) / (2 * h) - predicted[v]).norm(), 1e-5 * norm(predicted)) << name << ' ' << v;
           }
           EXPECT_NEAR(area_plus, area, 1e-9);
@@ -100,11 +100,11 @@ TEST(SurfaceContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
           const double depth = pair.settings.distance - gap, ramps = depth / pair.settings.ramp;
           EXPECT_EQ(name, ramps < 1 ? "rise" : ramps < 1.5 ? "line" : ramps < 3.5 ? "deep rise" : "deep line");
           for (const ContactPoint& p : points) {
-            const ContactFade seen = pair.seen(p);
+            const ContactFade fade = pair.fade_of(p);
             ++fired[name + (p.stencil.vertex[0] < 64 ? ", wall's vertex" : ", device's vertex")];
-            fired["fades at an end"] += seen.ordinary < 1 && seen.ordinary == seen.deep;
-            fired["fades at a window"] += seen.ordinary < 1 && seen.deep >= 1;
-            fired["fades at a window, deep"] += seen.deep < 1 && seen.deep > seen.ordinary + 1e-9;
+            fired["fades at an end"] += fade.ordinary < 1 && fade.ordinary == fade.deep;
+            fired["fades at a window"] += fade.ordinary < 1 && fade.deep >= 1;
+            fired["fades at a window, deep"] += fade.deep < 1 && fade.deep > fade.ordinary + 1e-9;
             EXPECT_NEAR(p.gap, gap, 1e-9);
           }
         }
@@ -118,7 +118,7 @@ TEST(SurfaceContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
 }
 
 TEST(SurfaceContact, FrictionsMatrixIsExactButAlongASlideAndForThePressuresPart) {
-  Pair pair(true);
+  SheetPair pair(true);
   const ContactSettings& s = pair.settings;
   const Vectors start = [&] {
     SurfaceContact any(1, 0, s, pair.sides);
@@ -138,7 +138,8 @@ TEST(SurfaceContact, FrictionsMatrixIsExactButAlongASlideAndForThePressuresPart)
     pair.system.x = combined(start, 1, dx);
     contact.detect(pair.system, area_vectors(pair.system), then);
     // where the surface fades, a projection that moves changes its share: held, too
-    std::erase_if(then, [&](const ContactPoint& p) { return p.stencil.vertex[0] < 64 || pair.seen(p).ordinary < 1; });
+    std::erase_if(then,
+                  [&](const ContactPoint& p) { return p.stencil.vertex[0] < 64 || pair.fade_of(p).ordinary < 1; });
     std::map<int, std::pair<Vec3, StencilStiffness>> by_vertex; // on the vertex itself
     for (const ContactPoint& p : then)
       by_vertex[p.stencil.vertex[0]] = {p.stencil.weight[0] * (p.force * p.stencil.normal + p.friction), p.stencil};
@@ -163,7 +164,7 @@ TEST(SurfaceContact, FrictionsMatrixIsExactButAlongASlideAndForThePressuresPart)
       if (way < limit) {
         ++sticks;
         EXPECT_LT((slope(v, along) + k * along).norm(), 1e-4 * size) << v;
-      } else if (point.second.sliding.norm() > 0) {
+      } else if (point.second.slip_softening.norm() > 0) {
         ++slides; // no further friction along the slip; the matrix keeps three tenths of the secant
         EXPECT_LT(slope(v, along).norm(), 1e-4 * size) << v;
         EXPECT_NEAR(along.dot(k * along), 0.3 * size, 1e-9);
@@ -198,7 +199,7 @@ void add_tube(System& system, int around, double radius, double turn, unsigned s
 }
 
 /// The part of the whole contact force's change, in random directions, that the matrix does not foresee.
-double unforeseen(double overlap, const ContactSettings& settings, int& touching) {
+double unpredicted_share(double overlap, const ContactSettings& settings, int& touching) {
   System system;
   add_tube(system, 18, 1.5 - overlap, 0, 1);
   add_tube(system, 16, 1.5, 0.1, 2);
@@ -214,7 +215,7 @@ double unforeseen(double overlap, const ContactSettings& settings, int& touching
     Vectors f(start.size(), Vec3::Zero());
     add_contact_forces(then, f);
     if (links)
-      *links = links_of(then);
+      *links = stencils_of(then);
     return f;
   };
   double worst = 0;
@@ -226,7 +227,7 @@ double unforeseen(double overlap, const ContactSettings& settings, int& touching
     touching = static_cast<int>(links.size());
     const double h = 1e-6;
     const Vectors change = combined(force(combined(none, h, d), nullptr), -1, force(combined(none, -h, d), nullptr));
-    const Vectors predicted = answer(links, d);
+    const Vectors predicted = predicted_change(links, d);
     worst = std::max(worst, norm(combined(predicted, -0.5 / h, change)) / norm(predicted));
   }
   return worst;
@@ -238,7 +239,7 @@ TEST(SurfaceContact, WhatHoldingNormalsAndWeightsLeavesOutIsATenthAtMost) {
       ContactSettings settings;
       settings.smooth = smooth;
       int touching = 0;
-      const double left_out = unforeseen(overlap, settings, touching);
+      const double left_out = unpredicted_share(overlap, settings, touching);
       EXPECT_LT(left_out, 0.1) << overlap;
       EXPECT_GT(left_out, 0.01) << "tubes turn their normals: else this is no test of anything";
       EXPECT_GT(touching, 100);
@@ -246,12 +247,12 @@ TEST(SurfaceContact, WhatHoldingNormalsAndWeightsLeavesOutIsATenthAtMost) {
 }
 
 TEST(Tie, MatchesFiniteDifferencesInEveryDirection) {
-  Pair pair(true);
+  SheetPair pair(true);
   SurfaceContact contact(1, 0, pair.settings, pair.sides);
   std::vector<Tie> ties;
   std::vector<StencilStiffness> links;
   for (const ContactPoint& p : pair.at(-0.01, contact)) {
-    ties.push_back(tie_of(p, pair.system.x, 60));
+    ties.push_back(make_tie(p, pair.system.x, 60));
     links.push_back(ties.back().stencil);
   }
   ASSERT_GT(ties.size(), 40u);
@@ -273,7 +274,7 @@ TEST(Tie, MatchesFiniteDifferencesInEveryDirection) {
   const Vectors none(pair.system.x.size(), Vec3::Zero()), x = force_checks::perturbed(pair.system.x, 0.1, 1);
   for (unsigned seed = 2; seed < 8; ++seed) { // pulled and pressed
     const double h = 1e-6;
-    const Vectors d = force_checks::perturbed(none, 1, seed), f = force(x), predicted = answer(links, d);
+    const Vectors d = force_checks::perturbed(none, 1, seed), f = force(x), predicted = predicted_change(links, d);
     const Vectors change = combined(force(combined(x, h, d)), -1, force(combined(x, -h, d)));
     double along = 0;
     for (std::size_t v = 0; v < x.size(); ++v)

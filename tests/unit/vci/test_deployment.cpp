@@ -63,18 +63,20 @@ const Step predilatation{"pre", Action::predilatation, {{"pre", "main", length /
 const Step stenting{"stent", Action::stent, {{"stent", "main", length / 2, 11}}};
 
 double throat(const Lumen& l, const Vectors& points) {
-  const Vectors units = section_normals(points, l.triangles);
-  return section_area(points, l.triangles, units, {0, 0, length / 2 + 0.01}, Vec3::UnitZ());
+  const Vectors unit_normals = section_normals(points, l.triangles);
+  return section_area(points, l.triangles, unit_normals, {0, 0, length / 2 + 0.01}, Vec3::UnitZ());
 }
 
 TEST(Sections, ArcsGiveTheAreaOfACoarseTube) {
   const Lumen l = tube(0.8); // twelve vertices round: its chords enclose 4.5 % less than the circle
-  const Vectors units = section_normals(l.points, l.triangles);
+  const Vectors unit_normals = section_normals(l.points, l.triangles);
   const double circle = pi * healthy * healthy;
   for (double s : {4.0, 4.2, 4.4, 4.6})
-    EXPECT_NEAR(section_area(l.points, l.triangles, units, {0, 0, s}, Vec3::UnitZ()), circle, 0.003 * circle) << s;
+    EXPECT_NEAR(section_area(l.points, l.triangles, unit_normals, {0, 0, s}, Vec3::UnitZ()), circle, 0.003 * circle)
+        << s;
   const Vec3 oblique = Vec3(0.3, -0.2, 1).normalized();
-  EXPECT_NEAR(section_area(l.points, l.triangles, units, {0, 0, 5}, oblique), circle / oblique[2], 0.004 * circle);
+  EXPECT_NEAR(section_area(l.points, l.triangles, unit_normals, {0, 0, 5}, oblique), circle / oblique[2],
+              0.004 * circle);
 }
 
 TEST(Deployment, PredilatationAloneLeavesAnAreaBetweenInitialAndInflated) {
@@ -143,9 +145,9 @@ TEST(Deployment, StepsTakenWithCareEndInTheSameBalance) {
 
 TEST(Sections, APlaneAlongAVesselCutsNoLoopWithinReach) {
   const Lumen l = tube(0.8);
-  const Vectors units = section_normals(l.points, l.triangles);
-  EXPECT_EQ(section_area(l.points, l.triangles, units, {0, 0, length / 2}, Vec3::UnitX()), 0);
-  EXPECT_GT(section_area(l.points, l.triangles, units, {0, 0, length / 2}, Vec3(1, 0, 1).normalized()), 0);
+  const Vectors unit_normals = section_normals(l.points, l.triangles);
+  EXPECT_EQ(section_area(l.points, l.triangles, unit_normals, {0, 0, length / 2}, Vec3::UnitX()), 0);
+  EXPECT_GT(section_area(l.points, l.triangles, unit_normals, {0, 0, length / 2}, Vec3(1, 0, 1).normalized()), 0);
 }
 
 TEST(Sections, AreaOfATube) {

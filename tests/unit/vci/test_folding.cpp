@@ -12,7 +12,7 @@
 namespace {
 
 using namespace vci;
-using tests::straight;
+using tests::straight_frames;
 
 BalloonSpec winged_balloon(const FoldingSpec& folding, double diameter = 3.0, double length = 6.0) {
   const double d = diameter;
@@ -20,8 +20,9 @@ BalloonSpec winged_balloon(const FoldingSpec& folding, double diameter = 3.0, do
           folding};
 }
 
-Vectors folded(const BalloonSpec& spec, const RingGrid& grid) {
-  return place_folded(spec, grid, straight(grid), std::vector<double>(grid.rings(), 0.5 * spec.crimped_diameter));
+Vectors folded_vertices(const BalloonSpec& spec, const RingGrid& grid) {
+  return place_folded(spec, grid, straight_frames(grid),
+                      std::vector<double>(grid.rings(), 0.5 * spec.crimped_diameter));
 }
 
 bool pierces(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q, const Vec3& r) {
@@ -58,7 +59,7 @@ TEST_P(Wings, SectionHasTheUnfoldedPerimeterAndAsManyLikeSectors) {
     for (bool clockwise : {false, true}) {
       const int wings = GetParam();
       const BalloonSpec spec = winged_balloon({wings, 0.5, 0.02, clockwise}, diameter);
-      const int n = balloon_grid(spec, 0.45).around;
+      const int n = balloon_grid(spec, 0.45).ring_size;
       const FoldedSection section = folded_section(spec, n);
       ASSERT_EQ(section.points.size(), static_cast<std::size_t>(n));
       const double edge = unfolded_diameter(spec) * std::sin(pi / n);
@@ -71,8 +72,8 @@ TEST_P(Wings, SectionHasTheUnfoldedPerimeterAndAsManyLikeSectors) {
         turned += std::atan2(p[0] * next[1] - p[1] * next[0], p.dot(next));
       }
       EXPECT_NEAR(turned, 2 * pi, 1e-9) << "once round, counterclockwise";
-      EXPECT_GE(section.inner, 0.25);
-      EXPECT_LE(section.outer, 0.425);
+      EXPECT_GE(section.inner_radius, 0.25);
+      EXPECT_LE(section.outer_radius, 0.425);
       EXPECT_NEAR(edge * n, pi * unfolded_diameter(spec), 0.005 * pi * unfolded_diameter(spec));
     }
 }
@@ -81,12 +82,12 @@ TEST_P(Wings, StartWithoutCrossing) {
   const BalloonSpec spec = winged_balloon({GetParam(), 0.5, 0.02, false});
   const RingGrid grid = balloon_grid(spec, 0.45);
   const Triangles triangles = grid.triangles();
-  Vectors x = folded(spec, grid);
+  Vectors x = folded_vertices(spec, grid);
   EXPECT_EQ(crossings(triangles, x), 0);
-  const int middle = grid.rings() / 2 * grid.around;
-  for (int k = 0; k < grid.around; ++k) // a body's ring as a circle inside: what a crossing looks like
+  const int middle = grid.rings() / 2 * grid.ring_size;
+  for (int k = 0; k < grid.ring_size; ++k) // a body's ring as a circle inside: what a crossing looks like
     x[middle + k] =
-        Vec3(0.3 * std::cos(2 * pi * k / grid.around), 0.3 * std::sin(2 * pi * k / grid.around), x[middle][2]);
+        Vec3(0.3 * std::cos(2 * pi * k / grid.ring_size), 0.3 * std::sin(2 * pi * k / grid.ring_size), x[middle][2]);
   EXPECT_GT(crossings(triangles, x), 0) << "the check sees crossings";
 }
 
@@ -95,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(TwoToSix, Wings, testing::Range(2, 7));
 TEST(Folding, ClockwiseIsTheMirrorImage) {
   const FoldedSection one = folded_section({3, 0.5, 0.02, false}, 72, 0.12);
   const FoldedSection other = folded_section({3, 0.5, 0.02, true}, 72, 0.12);
-  EXPECT_GT(one.wrap, 1);
+  EXPECT_GT(one.wrap_angle, 1);
   for (int k = 0; k < 72; ++k) {
     const Vec2& p = other.points[(72 - k) % 72];
     EXPECT_LT((one.points[k] - Vec2(p[0], -p[1])).norm(), 1e-15);
@@ -110,7 +111,7 @@ TEST(Folding, RefusesWhatDoesNotFit) {
   EXPECT_THROW(balloon_grid(winged_balloon(folding, 0.8), 0.45), common::InputError) << "nothing left for wings";
   const BalloonSpec spec = winged_balloon(folding);
   const RingGrid grid = balloon_grid(spec, 0.45);
-  EXPECT_THROW(place_folded(spec, grid, straight(grid), std::vector<double>(grid.rings(), 0.3)),
+  EXPECT_THROW(place_folded(spec, grid, straight_frames(grid), std::vector<double>(grid.rings(), 0.3)),
                common::ComputationError);
 }
 
@@ -128,9 +129,9 @@ TEST(BalloonChart, OfAnUnfoldedBalloonBucklesBelowItsDiameter) {
 }
 
 /// Two layers of a long strip folded back over itself with a gap, outer sides together where `inward` is false.
-struct Strip {
+struct FoldedStrip {
   System system;
-  Strip(double gap, bool inward) {
+  FoldedStrip(double gap, bool inward) {
     Vectors points;
     Triangles triangles;
     const int across = 12, along = 5;
@@ -157,11 +158,11 @@ struct Strip {
 class Sides : public testing::TestWithParam<bool> {};
 
 TEST_P(Sides, LayersRepelAndRememberTheirSide) {
-  Strip strip(0.03, GetParam());
+  FoldedStrip strip(0.03, GetParam());
   const std::vector<double> thickness(strip.system.vertices(), 0.02);
   SelfContact contact(strip.system, 0, 60, thickness);
   EXPECT_TRUE(strip.contacts(contact).empty()) << "a gap beyond the thickness";
-  EXPECT_GT(contact.facing(), 60);
+  EXPECT_GT(contact.count_facing(), 60);
   for (double gap : {0.01, -0.03}) { // pressed together, then through: the sign of the first meeting stays
     for (int v = 0; v < strip.system.vertices(); ++v)
       strip.system.x[v][1] = (v % 24 < 12 ? 0.5 : -0.5) * gap;
@@ -189,7 +190,7 @@ TEST_P(Sides, LayersRepelAndRememberTheirSide) {
 INSTANTIATE_TEST_SUITE_P(OuterAndInner, Sides, testing::Bool());
 
 TEST(SelfContact, OnlyTouchesWhatHasThickness) {
-  Strip strip(0.01, false);
+  FoldedStrip strip(0.01, false);
   SelfContact none(strip.system, 0, 60, std::vector<double>(strip.system.vertices(), 0.0));
   EXPECT_TRUE(strip.contacts(none).empty());
   SelfContact all(strip.system, 0, 60, std::vector<double>(strip.system.vertices(), 0.02));
@@ -224,18 +225,18 @@ Unfolded unfold(const BalloonSpec& spec, double pressure_bar) {
   const Numerics numerics;
   System system;
   const RingGrid grid = balloon_grid(spec, 0.45);
-  Balloon b = add_balloon(system, spec, grid, straight(grid), std::vector<double>(grid.rings(), 0.425));
+  Balloon b = add_balloon(system, spec, grid, straight_frames(grid), std::vector<double>(grid.rings(), 0.425));
   Interactions layers;
-  add_layers(layers, system, b, spec, numerics.contact);
+  add_layer_contacts(layers, system, b, spec, numerics.contact);
   set_pressure(b, pressure_bar * mpa_per_bar);
-  EXPECT_TRUE(relax(system, layers, with_folds(numerics.integrator, spec, true)).converged);
+  EXPECT_TRUE(relax(system, layers, folded_balloon_settings(numerics.integrator, spec, true)).converged);
   return {grid, system.x};
 }
 
 TEST(Inflation, WingsUnfoldAlikeWithoutCrossingAndTwiceTheSame) {
   const BalloonSpec spec = winged_balloon({3, 0.5, 0.02, false}, 3.0, 4.0);
   const Unfolded u = unfold(spec, 8);
-  const int n = u.grid.around;
+  const int n = u.grid.ring_size;
   Triangles body; // the necks' folds do not touch one another
   for (const Triangle& t : u.grid.triangles())
     if (std::all_of(t.begin(), t.end(), [&](int v) { return u.grid.profile[v / n] >= 0.6; }))

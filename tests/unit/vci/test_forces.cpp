@@ -18,7 +18,7 @@ using namespace force_checks;
 TEST(Membrane, StiffeningWallMatchesFiniteDifferences) {
   Membrane force(sheet_triangles, sheet, {{2.0, 0.45, 3.0}, {1.0, 0.3, 10.0}});
   const Vectors x = perturbed(sheet, 0.25, 1);
-  EXPECT_EQ(force.yielding(x), 0);
+  EXPECT_EQ(force.count_yielding(x), 0);
   check_gradient(force, x);
   check_hessian(force, x);
 }
@@ -26,7 +26,7 @@ TEST(Membrane, StiffeningWallMatchesFiniteDifferences) {
 TEST(Membrane, YieldingPlaqueMatchesFiniteDifferences) {
   Membrane force(sheet_triangles, sheet, {{2.0, 0.45, 0.0, 0.05, 0.08}, {2.0, 0.45, 0.0, 0.05, 0.3}});
   const Vectors x = perturbed(sheet, 0.25, 2);
-  EXPECT_EQ(force.yielding(x), 2) << "both triangles must be on the plastic branch";
+  EXPECT_EQ(force.count_yielding(x), 2) << "both triangles must be on the plastic branch";
   check_gradient(force, x);
   check_hessian(force, x);
 }
@@ -42,7 +42,7 @@ std::vector<HenckyLaw> deep_laws() {
 TEST(Membrane, LayersAtDepthMatchFiniteDifferences) {
   Membrane force(sheet_triangles, sheet, deep_laws());
   const Vectors x = perturbed(sheet, 0.3, 3);
-  EXPECT_EQ(force.yielding(x), 1);
+  EXPECT_EQ(force.count_yielding(x), 1);
   check_gradient(force, x);
   check_hessian(force, x);
   force.commit(x);
@@ -85,7 +85,7 @@ TEST(Membrane, CommitKeepsTheStressAndMakesTheStrainPermanent) {
   Vectors eased = x;
   for (Vec3& p : eased)
     p *= 0.999;
-  EXPECT_EQ(force.yielding(eased), 0) << "unloading is elastic";
+  EXPECT_EQ(force.count_yielding(eased), 0) << "unloading is elastic";
   force.evaluate(sheet, back, nullptr, true);
   EXPECT_GT(back[2].norm(), 1e-3) << "the first shape is no longer free of stress";
 }
@@ -101,7 +101,7 @@ TEST(Membrane, PositivePartHasNoNegativeCurvature) {
   Vectors f(4, Vec3::Zero()), y(4);
   const Vectors up{{0, 0, 1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
   const auto curvature = [&](BlockMatrix& m, bool is_exact) {
-    force.link(m);
+    force.locate_blocks(m);
     force.evaluate(x, f, &m, is_exact);
     m.multiply(up, y);
     return y[0][2];
@@ -111,7 +111,7 @@ TEST(Membrane, PositivePartHasNoNegativeCurvature) {
 }
 
 TEST(Hinges, AngleMatchesFiniteDifferences) {
-  const std::vector<EdgePair> edges = interior_edges(sheet_triangles, sheet);
+  const std::vector<InteriorEdge> edges = interior_edges(sheet_triangles, sheet);
   ASSERT_EQ(edges.size(), 1u);
   Hinges force(edges, sheet, {0.7}, 1e9);
   const Vectors x = perturbed(sheet, 0.3, 3);
@@ -121,7 +121,7 @@ TEST(Hinges, AngleMatchesFiniteDifferences) {
 }
 
 TEST(Hinges, FoldsBeyondTheYieldAngle) {
-  const std::vector<EdgePair> edges = interior_edges(sheet_triangles, sheet);
+  const std::vector<InteriorEdge> edges = interior_edges(sheet_triangles, sheet);
   Hinges force(edges, sheet, {1.0}, 0.1);
   Vectors x = sheet;
   x[3][2] += 0.8;

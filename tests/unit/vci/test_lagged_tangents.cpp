@@ -36,8 +36,8 @@ MatrixXd curvature_of_length(const Vectors& x, int i, int j, bool logarithm) {
 }
 
 TEST(Hinges, MatrixLeavesOutOnlyHowTheAnglesGradientTurns) {
-  const std::vector<EdgePair> edges = interior_edges(sheet_triangles, sheet);
-  const EdgePair e = edges.at(0);
+  const std::vector<InteriorEdge> edges = interior_edges(sheet_triangles, sheet);
+  const InteriorEdge e = edges.at(0);
   const std::array<int, 4> places{e.e0, e.e1, e.w0, e.w1};
   const Vectors x = perturbed(sheet, 0.3, 3);
   const auto gradient = [&](const Vectors& p) {
@@ -137,7 +137,7 @@ TEST(RingHoops, MatrixOfAPressedRingLeavesOutOnlyWhatBucklesIt) {
   int plastic = 0;
   for (double strain : {-0.01, -0.1}) {
     RingHoops force({{ring_vertices(), 5.0, 0.03, 0.1, length / (1 + strain)}});
-    plastic += force.yielding(x);
+    plastic += force.count_yielding(x);
     const double tension = strain > -0.03 ? 5.0 * strain : -5.0 * (0.03 + 0.1 * (-strain - 0.03));
     MatrixXd left_out = MatrixXd::Zero(3 * around, 3 * around);
     for (int k = 0; k < around; ++k)
@@ -185,7 +185,7 @@ TEST(RingFoundation, MatrixLeavesOutOnlyHowTheSurfacesNormalsTurn) {
       const Vectors normals = vertex_area_vectors(tube.triangles, p, 0, static_cast<int>(p.size()));
       Vectors f(p.size(), Vec3::Zero());
       for (const auto& e : tube.middle)
-        f[e.vertex] = -e.area * law.pressure((p[e.vertex] - e.origin).dot(e.normal))[0] *
+        f[e.vertex] = -e.area * law.pressure_and_slope((p[e.vertex] - e.origin).dot(e.normal))[0] *
                       (normals[e.vertex].normalized() - e.normal);
       return f;
     };
@@ -202,7 +202,7 @@ TEST(RingFoundation, MatrixIsNeverNegativeWhereThePrestressIs) {
   const Vec3 n = Vec3::UnitX();
   RingFoundation force({{0, Vec3(1, 0, 0), n, 0.1, softens}});
   const Vectors x{{1.1, 0, 0}};
-  ASSERT_LT(softens.pressure(0.1)[1], 0);
+  ASSERT_LT(softens.pressure_and_slope(0.1)[1], 0);
   check_hessian(force, x);
   const MatrixXd exact = stiffness_of(force, x), positive = stiffness_of(force, x, false);
   EXPECT_LT(exact(0, 0), 0);
@@ -213,10 +213,10 @@ TEST(RingFoundation, MatrixIsNeverNegativeWhereThePrestressIs) {
 TEST(Crimper, PressesOutsideItsRadiusOnlyAndMatchesFiniteDifferences) {
   Crimper force({0, 1}, 7.0);
   const Vectors x{{0.9, 0.7, 0.3}, {0.2, -0.5, 1}};
-  const auto total = [&] { return force.total(x); };
+  const auto total = [&] { return force.total_force(x); };
   EXPECT_EQ(total(), 0) << "open";
   for (const auto& [radius, outside] : {std::pair{1.0, 1}, {0.4, 2}, {0.1, 2}}) {
-    force.close(radius);
+    force.set_radius(radius);
     Vectors f(2, Vec3::Zero());
     force.evaluate(x, f, nullptr, true);
     EXPECT_EQ((f[0].norm() > 0) + (f[1].norm() > 0), outside);

@@ -11,7 +11,7 @@ using namespace contact_checks;
 struct Layers {
   static constexpr double thickness = 0.05, stiffness = 30; // of one layer's part, MPa/mm
   System system;
-  Vectors lift;
+  Vectors gap_direction;
   explicit Layers(bool outer_faces) {
     System two;
     add_sheet(two, 7, 0.1, {0, 0, 0}, outer_faces);
@@ -19,9 +19,9 @@ struct Layers {
     Triangles all = two.body(0).triangles;
     all.insert(all.end(), two.body(1).triangles.begin(), two.body(1).triangles.end());
     system.add_body("balloon", two.x, all, 1, std::vector<char>(two.x.size(), 0));
-    lift.assign(two.x.size(), Vec3::Zero());
+    gap_direction.assign(two.x.size(), Vec3::Zero());
     for (int v = 49; v < two.vertices(); ++v)
-      lift[v] = Vec3::UnitZ();
+      gap_direction[v] = Vec3::UnitZ();
   }
   std::vector<ContactPoint> at(double gap, SelfContact& contact) {
     for (int v = 49; v < system.vertices(); ++v)
@@ -38,7 +38,7 @@ TEST(SelfContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
     Layers layers(outer_faces);
     SelfContact contact(layers.system, 0, 2 * Layers::stiffness, std::vector<double>(85, Layers::thickness));
     EXPECT_TRUE(layers.at(0.1, contact).empty());
-    EXPECT_GT(contact.facing(), 60) << "layers are faced before they touch";
+    EXPECT_GT(contact.count_facing(), 60) << "layers are faced before they touch";
     const auto force = [&](double gap) {
       Vectors f(85, Vec3::Zero());
       add_contact_forces(layers.at(gap, contact), f);
@@ -51,7 +51,7 @@ TEST(SelfContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
       constexpr double h = 1e-7, begins = 0.9 * Layers::thickness, width = 0.4 * Layers::thickness;
       const Vectors change = combined(force(gap + h), -1, force(gap - h)), f = force(gap);
       const std::vector<ContactPoint> points = layers.at(gap, contact);
-      const Vectors predicted = answer(links_of(points), layers.lift);
+      const Vectors predicted = predicted_change(stencils_of(points), layers.gap_direction);
       EXPECT_LT(norm(combined(predicted, -0.5 / h, change)), 1e-5 * norm(predicted)) << gap;
       // energy: the law's integral from where contact begins
       const auto energy = [&](double g) {
@@ -64,7 +64,7 @@ TEST(SelfContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
       };
       double along = 0, sum = 0;
       for (std::size_t v = 0; v < f.size(); ++v) {
-        along += f[v].dot(layers.lift[v]);
+        along += f[v].dot(layers.gap_direction[v]);
         sum += f[v][2];
       }
       EXPECT_NEAR(along, -(energy(gap + h) - energy(gap - h)) / (2 * h), 1e-5 * along);

@@ -37,21 +37,21 @@ std::string refusal(const Lumen& lumen) {
   return refusal(lumen, {{"main", Vessel().axis()}});
 }
 
-void expect(const std::string& told, std::initializer_list<const char*> words) {
+void expect_words(const std::string& message, std::initializer_list<const char*> words) {
   for (const char* w : words)
-    EXPECT_NE(told.find(w), std::string::npos) << w << " is missing in: " << told;
+    EXPECT_NE(message.find(w), std::string::npos) << w << " is missing in: " << message;
 }
 
 TEST(LumenCheck, PassesWhatVesselsMayBe) {
   const Vessel plain;
   EXPECT_EQ(refusal(plain.lumen()), "");
   EXPECT_EQ(refusal(plain.closed()), "") << "with caps";
-  for (double aside : {0.0, 1.2}) { // nine tenths of the diameter, all plaque on one side
+  for (double lesion_offset : {0.0, 1.2}) { // nine tenths of the diameter, all plaque on one side
     Vessel severe;
     severe.narrowing = 0.9;
-    severe.aside = aside;
+    severe.lesion_offset = lesion_offset;
     severe.rows = 96;
-    EXPECT_EQ(refusal(severe.lumen(), {{"main", severe.axis()}}), "") << aside;
+    EXPECT_EQ(refusal(severe.lumen(), {{"main", severe.axis()}}), "") << lesion_offset;
   }
   EXPECT_EQ(refusal(plain.lumen(), {{"main", plain.axis(1.5, 18)}}), "") << "a centreline that ends early";
 }
@@ -59,13 +59,13 @@ TEST(LumenCheck, PassesWhatVesselsMayBe) {
 TEST(LumenCheck, NamesTheTriangleThatIsTurned) {
   Lumen one = Vessel().lumen(), half = one, all = one;
   std::swap(one.triangles[500][0], one.triangles[500][1]);
-  expect(refusal(one), {"turned against their neighbours", "lumen.vtp: triangle 500 at (", "3 neighbours"});
+  expect_words(refusal(one), {"turned against their neighbours", "lumen.vtp: triangle 500 at (", "3 neighbours"});
   for (std::size_t k = 0; k < half.triangles.size(); k += 2)
     std::swap(half.triangles[k][0], half.triangles[k][1]);
-  expect(refusal(half), {"turned against their neighbours"});
+  expect_words(refusal(half), {"turned against their neighbours"});
   for (Triangle& t : all.triangles)
     std::swap(t[0], t[1]);
-  expect(refusal(all), {"face its axis", "1536 of 1536"});
+  expect_words(refusal(all), {"face its axis", "1536 of 1536"});
 }
 
 TEST(LumenCheck, RefusesWhatIsNoSurface) {
@@ -73,13 +73,13 @@ TEST(LumenCheck, RefusesWhatIsNoSurface) {
   Lumen twice = whole;
   twice.triangles.push_back({whole.triangles[7][1], whole.triangles[7][2], whole.triangles[7][0]});
   twice.region.push_back(0);
-  expect(refusal(twice), {"given twice", "triangle 7 at", "triangle 1536"});
+  expect_words(refusal(twice), {"given twice", "triangle 7 at", "triangle 1536"});
   Lumen fin = whole; // a third triangle at an edge of the wall
   fin.points.push_back({0.2, 0.1, 9});
   fin.radius.push_back(1);
   fin.triangles.push_back({whole.triangles[600][0], whole.triangles[600][1], 784});
   fin.region.push_back(0);
-  expect(refusal(fin), {"more than two triangles", "3 triangles at points 300 and 301"});
+  expect_words(refusal(fin), {"more than two triangles", "3 triangles at points 300 and 301"});
   Lumen soup;
   for (const Triangle& t : whole.triangles) {
     const int n = static_cast<int>(soup.points.size());
@@ -90,21 +90,21 @@ TEST(LumenCheck, RefusesWhatIsNoSurface) {
     soup.triangles.push_back({n, n + 1, n + 2});
   }
   soup.region.assign(soup.triangles.size(), 0);
-  expect(refusal(soup), {"in one place", "merge them"});
+  expect_words(refusal(soup), {"in one place", "merge them"});
   Lumen scattered = soup; // by less than anybody sees, so that no two points are one
   for (std::size_t v = 0; v < soup.points.size(); ++v)
     scattered.points[v] += 1e-7 * static_cast<double>(v) * Vec3(1, 0.3, 0.5);
-  expect(refusal(scattered), {"in pieces", "1 of its 1536"});
+  expect_words(refusal(scattered), {"in pieces", "1 of its 1536"});
   Lumen flat = whole;
   flat.points[whole.triangles[900][1]] =
       0.5 * (whole.points[whole.triangles[900][0]] + whole.points[whole.triangles[900][2]]);
-  expect(refusal(flat), {"has no area", "triangle 900 at"});
+  expect_words(refusal(flat), {"has no area", "triangle 900 at"});
   flat = whole;
   flat.triangles[900][1] = flat.triangles[900][0];
-  expect(refusal(flat), {"has no area", "triangle 900 at"});
+  expect_words(refusal(flat), {"has no area", "triangle 900 at"});
 }
 
-Lumen without(Lumen l, double s_start, double s_end, double x_from) {
+Lumen without_part(Lumen l, double s_start, double s_end, double x_from) {
   Lumen rest = l;
   rest.triangles.clear();
   for (const Triangle& t : l.triangles) {
@@ -118,8 +118,8 @@ Lumen without(Lumen l, double s_start, double s_end, double x_from) {
 
 TEST(LumenCheck, TellsHolesFromEnds) {
   const Lumen whole = Vessel().lumen();
-  expect(refusal(without(whole, 4, 6, 0.2)), {"has a hole", "point", "no branch's axis"});
-  EXPECT_EQ(refusal(without(whole, 0, 1, 1.2)), "") << "a notch in an end is that end's rim";
+  expect_words(refusal(without_part(whole, 4, 6, 0.2)), {"has a hole", "point", "no branch's axis"});
+  EXPECT_EQ(refusal(without_part(whole, 0, 1, 1.2)), "") << "a notch in an end is that end's rim";
   Lumen touching = whole; // two holes that share point 323 and nothing else
   const auto at_323 = [](const Triangle& t) { return std::find(t.begin(), t.end(), 323) != t.end(); };
   const auto one = std::find_if(touching.triangles.begin(), touching.triangles.end(), at_323);
@@ -129,34 +129,34 @@ TEST(LumenCheck, TellsHolesFromEnds) {
   });
   touching.triangles.erase(other);
   touching.triangles.erase(one);
-  expect(refusal(touching), {"meet in one point", "point 323 at"});
-  expect(refusal(without(whole, 12, 13, -9)), {"in pieces"});
+  expect_words(refusal(touching), {"meet in one point", "point 323 at"});
+  expect_words(refusal(without_part(whole, 12, 13, -9)), {"in pieces"});
   Lumen uncapped = Vessel().closed();
-  uncapped.region.assign(uncapped.region.size(), 0);         // caps as wall
-  expect(refusal(uncapped), {"does not fit its radius_mm"}); // the middle of a cap is on the axis
+  uncapped.region.assign(uncapped.region.size(), 0);               // caps as wall
+  expect_words(refusal(uncapped), {"does not fit its radius_mm"}); // the middle of a cap is on the axis
 }
 
 TEST(LumenCheck, ComparesTheWallWithItsRadiusAndTheAxis) {
   const Lumen whole = Vessel().lumen();
-  Lumen wide = whole, narrow = whole, one = whole, metres = whole, aside = whole, spike = whole, slid = whole;
+  Lumen wide = whole, narrow = whole, one = whole, metres = whole, lesion_offset = whole, spike = whole, slid = whole;
   for (double& r : narrow.radius)
     r /= 4;
-  expect(refusal(narrow), {"does not fit its radius_mm"});
+  expect_words(refusal(narrow), {"does not fit its radius_mm"});
   one.radius[200] /= 4;
-  expect(refusal(one), {"does not fit its radius_mm", "point 200 at", "1 of 784"});
+  expect_words(refusal(one), {"does not fit its radius_mm", "point 200 at", "1 of 784"});
   for (double& r : wide.radius)
     r *= 5;
-  expect(refusal(wide), {"does not fit its radius_mm", "radius_mm 7.5"});
+  expect_words(refusal(wide), {"does not fit its radius_mm", "radius_mm 7.5"});
   for (Vec3& p : metres.points)
     p *= 1e-3;
-  expect(refusal(metres), {"does not fit its radius_mm", "in mm"});
-  for (Vec3& p : aside.points)
+  expect_words(refusal(metres), {"does not fit its radius_mm", "in mm"});
+  for (Vec3& p : lesion_offset.points)
     p[0] += 1;
-  expect(refusal(aside), {"does not fit its radius_mm", "lumen.vtp: point"});
+  expect_words(refusal(lesion_offset), {"does not fit its radius_mm", "lumen.vtp: point"});
   spike.points[200][0] += 12;
-  expect(refusal(spike), {"far longer than the lumen is wide", "200"});
+  expect_words(refusal(spike), {"far longer than the lumen is wide", "200"});
   slid.points[200][2] += 8;
-  expect(refusal(slid), {"far longer than the lumen is wide", "200"});
+  expect_words(refusal(slid), {"far longer than the lumen is wide", "200"});
 }
 
 TEST(LumenCheck, AFlatLumenMayBeManyTimesAsWideAsItsSphere) {
@@ -174,26 +174,27 @@ TEST(LumenCheck, AMainBranchFromTheOutletIsTurned) {
   const Vessel v;
   Vectors back = v.axis().points();
   std::reverse(back.begin(), back.end());
-  expect(refusal(v.closed(), {{"main", Path(back, 0)}}),
-         {"does not start at the inlet", "centreline.vtp: branch main"});
+  expect_words(refusal(v.closed(), {{"main", Path(back, 0)}}),
+               {"does not start at the inlet", "centreline.vtp: branch main"});
   EXPECT_EQ(refusal(v.lumen(), {{"main", Path(back, 0)}}), "") << "without caps either end may be the inlet";
 }
 
 TEST(LumenCheck, DevicesEndWithinTheLumen) {
   const Vessel v;
-  const Lumen cut = without(v.lumen(), 13, 99, -9);
+  const Lumen cut = without_part(v.lumen(), 13, 99, -9);
   const Paths paths{{"main", v.axis()}};
   EXPECT_EQ(refusal(cut, paths, scene_with(6)), "") << "the centreline may go on";
   EXPECT_EQ(refusal(cut, paths, scene_with(8.9)), "") << "within the rim's own length";
-  expect(
+  expect_words(
       refusal(cut, paths, scene_with(10)),
       {"past the end of the lumen", "scene.json: scene.procedure[0].devices[0] (step one, stent)", "from 6 to 14 mm"});
-  expect(refusal(cut, paths, scene_with(17)), {"a device reaches past the end of the lumen"});
+  expect_words(refusal(cut, paths, scene_with(17)), {"a device reaches past the end of the lumen"});
   Scene reported = scene_with(6);
   reported.segment = Segment{"main", 2, 12.5};
   EXPECT_EQ(refusal(cut, paths, reported), "");
   reported.segment->s_end = 16;
-  expect(refusal(cut, paths, reported), {"the segment reaches past the end of the lumen", "scene.json: scene.segment"});
+  expect_words(refusal(cut, paths, reported),
+               {"the segment reaches past the end of the lumen", "scene.json: scene.segment"});
 }
 
 } // namespace

@@ -14,16 +14,16 @@
 namespace {
 
 using namespace vci;
-using tests::straight;
+using tests::straight_frames;
 using namespace contact_checks;
 
 /// A wall without foundation, a stent and a balloon, which nothing holds: all touch, and all are strained. The pressure
 /// acts on the balloon with its tips closed by fans of triangles, and what anchors it to its shaft is taken away again.
-struct Free {
+struct FreeSystem {
   System system;
   Interactions touching;
-  int balloon = 0, bag_end = 0;
-  explicit Free(bool closed = true) {
+  int balloon = 0, balloon_ring_size = 0;
+  explicit FreeSystem(bool closed = true) {
     const StentSpec stent{3.0, 8, 1.0, 4.4, 0.08, 8, 2, "b", 11, 0.5, 20, 0.22, 4.5};
     const BalloonSpec spec{3.0, 8.0, 1.0, 0.8, 16.0, {3, 7, 11, 16}, {2.73, 2.9, 3.0, 3.14}};
     Numerics numerics;
@@ -32,27 +32,27 @@ struct Free {
       wall.s.push_back(0.5 * (r - 11.5));
       wall.profile.push_back(1);
     }
-    const Vectors tube = place_grid(wall, straight(wall), std::vector<double>(24, 1.5));
+    const Vectors tube = place_grid(wall, straight_frames(wall), std::vector<double>(24, 1.5));
     const int w = system.add_body("wall", tube, wall.triangles(), 1e-3, std::vector<char>(tube.size(), 0));
     const Triangles triangles = system.body(w).triangles;
-    const std::vector<EdgePair> edges = interior_edges(triangles, tube);
+    const std::vector<InteriorEdge> edges = interior_edges(triangles, tube);
     system.add_force(
         w, std::make_unique<Membrane>(triangles, tube, std::vector<HenckyLaw>(triangles.size(), {0.16, 0.45, 3.0})));
     system.add_force(w, std::make_unique<Hinges>(edges, tube, std::vector<double>(edges.size(), 1e-3), 0.1));
     const Stent s =
-        add_stent(system, stent, "stent", rings, straight(rings), std::vector<double>(rings.rings(), 1.495));
+        add_stent(system, stent, "stent", rings, straight_frames(rings), std::vector<double>(rings.rings(), 1.495));
     std::vector<double> radii;
     for (double profile : bag.profile)
       radii.push_back(1.49 * profile);
-    bag_end = bag.around;
-    Balloon b = add_balloon(system, spec, bag, straight(bag), radii);
+    balloon_ring_size = bag.ring_size;
+    Balloon b = add_balloon(system, spec, bag, straight_frames(bag), radii);
     balloon = b.body;
     set_pressure(b, pressure);
     if (closed) {
       b.pressure->set(0);
       Triangles bag_and_caps = system.body(balloon).triangles;
-      const int first = system.body(balloon).first, last = first + (bag.rings() - 1) * bag.around;
-      for (int k = 1; k + 1 < bag.around; ++k) {
+      const int first = system.body(balloon).first, last = first + (bag.rings() - 1) * bag.ring_size;
+      for (int k = 1; k + 1 < bag.ring_size; ++k) {
         bag_and_caps.push_back({first, first + k + 1, first + k});
         bag_and_caps.push_back({last, last + k, last + k + 1});
       }
@@ -72,7 +72,7 @@ struct Free {
 };
 
 /// Sum of forces and of their moments about the origin, over the sums of their sizes.
-std::array<double, 2> left_over(const Vectors& f, const Vectors& x) {
+std::array<double, 2> relative_resultants(const Vectors& f, const Vectors& x) {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
   double forces = 0, moments = 0;
   for (std::size_t i = 0; i < f.size(); ++i) {
@@ -84,43 +84,43 @@ std::array<double, 2> left_over(const Vectors& f, const Vectors& x) {
   return {force.norm() / forces, moment.norm() / moments};
 }
 
-Vectors pressure_of(Free& free) {
+Vectors pressure_of(FreeSystem& free) {
   Vectors elastic, foundation, pressure;
   free.system.evaluate(elastic, foundation, pressure, false);
   return pressure;
 }
 
 TEST(Momentum, ForcesOfAFreeSystemSumToNothing) {
-  Free free;
+  FreeSystem free;
   System& system = free.system;
   Vectors elastic, foundation, pressure;
   system.evaluate(elastic, foundation, pressure, false);
   EXPECT_EQ(norm(foundation), 0);
   for (const Vectors* f : {&elastic, &pressure}) {
     EXPECT_GT(norm(*f), 1);
-    EXPECT_LT(left_over(*f, system.x)[0], 1e-14);
-    EXPECT_LT(left_over(*f, system.x)[1], 1e-14);
+    EXPECT_LT(relative_resultants(*f, system.x)[0], 1e-14);
+    EXPECT_LT(relative_resultants(*f, system.x)[1], 1e-14);
   }
 }
 
 TEST(Momentum, OfAnOpenBalloonTheShaftBearsThePressureOnItsTips) {
-  Free closed, open(false);
+  FreeSystem closed, open(false);
   const Body& bag = open.system.body(open.balloon);
   Vec3 sum = Vec3::Zero(), tips = Vec3::Zero();
   for (const Vec3& f : pressure_of(open))
     sum += f;
-  for (int tip : {bag.first, bag.first + bag.count - open.bag_end})
-    for (int k = 0; k < open.bag_end; ++k) {
-      const Vec3 &a = open.system.x[tip + k], &b = open.system.x[tip + (k + 1) % open.bag_end];
+  for (int tip : {bag.first, bag.first + bag.count - open.balloon_ring_size})
+    for (int k = 0; k < open.balloon_ring_size; ++k) {
+      const Vec3 &a = open.system.x[tip + k], &b = open.system.x[tip + (k + 1) % open.balloon_ring_size];
       tips += (tip == bag.first ? -0.5 : 0.5) * a.cross(b);
     }
   EXPECT_GT(tips.norm(), 1e-4) << "disturbed, they are not alike";
-  EXPECT_LT((sum + Free::pressure * tips).norm(), 1e-13 * norm(pressure_of(open)));
+  EXPECT_LT((sum + FreeSystem::pressure * tips).norm(), 1e-13 * norm(pressure_of(open)));
   EXPECT_GT(norm(combined(pressure_of(closed), -1, pressure_of(open))), 0.01);
 }
 
 TEST(Momentum, ContactSumsToNothingAndTurnsByItsFrictionOverTheGapAlone) {
-  Free free;
+  FreeSystem free;
   System& system = free.system;
   std::vector<ContactPoint> points;
   free.touching.detect(system, area_vectors(system), points);
@@ -138,7 +138,7 @@ TEST(Momentum, ContactSumsToNothingAndTurnsByItsFrictionOverTheGapAlone) {
     Vectors f(system.x.size(), Vec3::Zero());
     add_contact_forces(points, f);
     EXPECT_GT(points.size(), 1000u);
-    EXPECT_LT(left_over(f, system.x)[0], 1e-14);
+    EXPECT_LT(relative_resultants(f, system.x)[0], 1e-14);
     // each point's force goes through vertex and projection, which lie along the normal but for how exactly projections
     // are found; its friction, at either side of the gap, makes a couple of at most the coefficient times force and gap
     Vec3 moment = Vec3::Zero(), couples = Vec3::Zero();
@@ -163,8 +163,8 @@ TEST(Momentum, ContactSumsToNothingAndTurnsByItsFrictionOverTheGapAlone) {
 
 /// What is left of the momentum, and of the angular one about the origin, after steps of h ms, over the sums of their
 /// parts' sizes; and the largest displacement in a step.
-std::array<double, 3> after_steps(double h, int steps, bool textbook, double damping) {
-  Free free;
+std::array<double, 3> momentum_after_steps(double h, int steps, bool textbook, double damping) {
+  FreeSystem free;
   System& system = free.system;
   IntegratorSettings s;
   s.damping = damping;
@@ -188,13 +188,13 @@ std::array<double, 3> after_steps(double h, int steps, bool textbook, double dam
   };
   const RelaxResult result = textbook ? relax_textbook(system, free.touching, s) : relax(system, free.touching, s);
   EXPECT_EQ(result.steps, steps);
-  const auto [linear, angular] = left_over(momentum, system.x);
+  const auto [linear, angular] = relative_resultants(momentum, system.x);
   return {linear, angular, largest};
 }
 
 TEST(Momentum, IsKeptOverStepsToTheLinearSolvesTolerance) {
   for (const auto& [textbook, damping] : {std::pair{true, 0.0}, {false, 0.0}, {false, 2.5}}) {
-    const auto [linear, angular, largest] = after_steps(0.03, 6, textbook, damping);
+    const auto [linear, angular, largest] = momentum_after_steps(0.03, 6, textbook, damping);
     EXPECT_LT(linear, 1e-9) << textbook << damping;
     EXPECT_GT(largest, 0.01);
     EXPECT_LT(largest, 1.5) << "a vertex held back takes its momentum along";
@@ -203,7 +203,7 @@ TEST(Momentum, IsKeptOverStepsToTheLinearSolvesTolerance) {
 
 TEST(Momentum, AngularOneIsKeptAsStepsBecomeShort) {
   // a linear step turns bodies along tangents: what it adds goes with its length
-  const auto coarse = after_steps(0.01, 4, true, 0), fine = after_steps(0.0025, 16, true, 0);
+  const auto coarse = momentum_after_steps(0.01, 4, true, 0), fine = momentum_after_steps(0.0025, 16, true, 0);
   EXPECT_LT(fine[1], 0.5 * coarse[1]);
   EXPECT_LT(coarse[1], 2e-3);
 }

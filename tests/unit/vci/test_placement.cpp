@@ -8,7 +8,7 @@ namespace {
 using namespace vci;
 
 /// A device of 20 rings along z from -5 to 5 mm, turned about x by an angle (rad).
-DeviceLayout device(double radius, double turn) {
+DeviceLayout device_layout(double radius, double turn) {
   DeviceLayout layout{{20, {}, {}, {}}, {}, radius};
   const Vec3 along(0, -std::sin(turn), std::cos(turn)), across(0, std::cos(turn), std::sin(turn));
   for (int r = 0; r < 20; ++r) {
@@ -19,26 +19,26 @@ DeviceLayout device(double radius, double turn) {
   return layout;
 }
 
-ContactSides sides(double turn) {
+ContactScope scope_for_turn(double turn) {
   System system;
-  const DeviceLayout stent = device(1.5, 0);
+  const DeviceLayout stent = device_layout(1.5, 0);
   const Vectors points = place_grid(stent.grid, stent.frames, std::vector<double>(20, 1.5));
   system.add_body("stent", points, stent.grid.triangles(), 1, std::vector<char>(points.size(), 0));
-  return leaving_through(system, {0, stent.grid, "stent"}, device(1.0, turn));
+  return exclude_side_exit(system, {0, stent.grid, "stent"}, device_layout(1.0, turn));
 }
 
 TEST(Placement, ADeviceAlongTheStentNeedsNoWindow) {
-  EXPECT_TRUE(sides(0).outer_excluded.empty());
-  EXPECT_TRUE(sides(0).outer_rim.empty());
+  EXPECT_TRUE(scope_for_turn(0).outer_excluded.empty());
+  EXPECT_TRUE(scope_for_turn(0).outer_rim.empty());
 }
 
 TEST(Placement, TheRimIsEveryVertexNextToTheWindowAndNoneOfIt) {
-  const ContactSides found = sides(1);
+  const ContactScope found = scope_for_turn(1);
   const std::vector<char>&window = found.outer_excluded, &rim = found.outer_rim;
   ASSERT_EQ(rim.size(), window.size());
   EXPECT_GT(std::count(window.begin(), window.end(), 1), 10);
   std::vector<char> next_to(window.size(), 0);
-  for (const Triangle& t : device(1.5, 0).grid.triangles())
+  for (const Triangle& t : device_layout(1.5, 0).grid.triangles())
     for (int a : t)
       for (int b : t)
         next_to[a] |= window[b];

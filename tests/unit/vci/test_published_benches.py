@@ -8,8 +8,8 @@ import pytest
 from common import vtp
 from common.documents.config import load_case, load_devices
 from vci.benchmarks import bench_cases, published, scenes
-from vci.benchmarks.bench_cases import Outcome
-from vci.benchmarks.device_shapes import diameters
+from vci.benchmarks.bench_cases import CaseOutcome
+from vci.benchmarks.device_shapes import ring_diameters
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 
@@ -24,8 +24,8 @@ def write_tube(path, radii, around=16, spacing=0.5):
 
 
 def test_diameters_along_a_device(tmp_path):
-    along, found = diameters(write_tube(tmp_path / "stent.vtp", [1.5, 1.0, 1.0, 1.0, 1.4]))
-    assert found == pytest.approx([3.0, 2.0, 2.0, 2.0, 2.8])
+    along, figures = ring_diameters(write_tube(tmp_path / "stent.vtp", [1.5, 1.0, 1.0, 1.0, 1.4]))
+    assert figures == pytest.approx([3.0, 2.0, 2.0, 2.0, 2.8])
     assert along == pytest.approx([-1.0, -0.5, 0.0, 0.5, 1.0])
 
 
@@ -39,7 +39,7 @@ def test_entries_of_the_catalogue_make_a_scene():
 
 @pytest.fixture
 def stented(tmp_path):
-    """An Outcome: a stent on a balloon of 3.0 mm at 11 bar, 3.3 mm afterwards; engine and truth known."""
+    """A CaseOutcome: a stent on a balloon of 3.0 mm at 11 bar, 3.3 mm afterwards; engine and truth known."""
     write_tube(tmp_path / "engine/devices/stent_balloon.vtp", [0.5, 1.3, 1.4, 1.3, 0.5], spacing=2.0)
     chart = {"pressure_bar": [5, 11, 16], "diameter_mm": [2.9, 3.0, 3.1]}
     devices = {"b": {"chart": chart}, "s": {"balloon": "b", "length_mm": 5}}
@@ -56,33 +56,33 @@ def stented(tmp_path):
     steps += [{"step": "post", "inflated_radius_mm": 1.5, "radius_mm": 1.4}]
     slices = [{"stented": True, "history": steps}, {"stented": False, "history": []}]
     truth = {"minimal_lumen_area_in_stent_mm2": 1.1 * area, "slices": slices}
-    return Outcome(tmp_path, {"devices": devices, "procedure": procedure}, engine, truth)
+    return CaseOutcome(tmp_path, {"devices": devices, "procedure": procedure}, engine, truth)
 
 
 def test_distances_from_the_chart(stented):
-    found = bench_cases.after_stenting(stented)
-    assert found["engine"]["below_chart_percent"] == pytest.approx(20.0)
-    assert found["truth"]["below_chart_percent"] == pytest.approx(100 * (1 - 0.8 * 1.1**0.5))
-    assert [found[model]["expansion_percent"] for model in ("engine", "truth")] == pytest.approx([80, 88])
-    assert found["engine"]["recoil_mm"] == pytest.approx(0.2) and found["truth"]["recoil_mm"] == pytest.approx(0.2)
-    assert found["engine"]["short_of_chart_mm"] == pytest.approx(3.0 - 2.6), "the cylinder's rings, not its cones'"
-    assert found["truth"]["short_of_chart_mm"] == pytest.approx(3.0 - 2.4)
+    figures = bench_cases.stenting_figures(stented)
+    assert figures["engine"]["below_chart_percent"] == pytest.approx(20.0)
+    assert figures["truth"]["below_chart_percent"] == pytest.approx(100 * (1 - 0.8 * 1.1**0.5))
+    assert [figures[model]["expansion_percent"] for model in ("engine", "truth")] == pytest.approx([80, 88])
+    assert figures["engine"]["recoil_mm"] == pytest.approx(0.2) and figures["truth"]["recoil_mm"] == pytest.approx(0.2)
+    assert figures["engine"]["short_of_chart_mm"] == pytest.approx(3.0 - 2.6), "the cylinder's rings, not its cones'"
+    assert figures["truth"]["short_of_chart_mm"] == pytest.approx(3.0 - 2.4)
 
 
 def test_slopes_are_those_of_the_runs(monkeypatch, tmp_path):
     """Expansion falls by 6 % per 180 degrees and 2 % per 5 mm in the engine, twice that in the truth; one run fails."""
 
-    def treated(path, folder, build):
+    def fake_run(path, folder, build):
         _, arc, length = folder.name.split("_")
-        return Outcome(folder, engine=None if (arc, length) == ("90", "5") else {"at": (float(arc), float(length))})
+        return CaseOutcome(folder, engine=None if (arc, length) == ("90", "5") else {"at": (float(arc), float(length))})
 
-    def after(outcome):
+    def fake_figures(outcome):
         arc, length = outcome.engine["at"]
         lost = 6 * arc / 180 + 2 * length / 5
         return {"engine": {"expansion_percent": 90 - lost}, "truth": {"expansion_percent": 95 - 2 * lost}}
 
-    monkeypatch.setattr(bench_cases, "treat", treated)
-    monkeypatch.setattr(bench_cases, "after_stenting", after)
+    monkeypatch.setattr(bench_cases, "run_engine_and_truth", fake_run)
+    monkeypatch.setattr(bench_cases, "stenting_figures", fake_figures)
     rows = {row["quantity"]: row for row in published.calcium_slopes(tmp_path, tmp_path)}
     arc = rows["change of expansion by 180 degrees of arc"]
     assert (arc["engine"], arc["truth"], arc["n"]) == ("-6.00", "-12.00", 5) and "1 of 6 refused" in arc["remark"]
@@ -91,15 +91,15 @@ def test_slopes_are_those_of_the_runs(monkeypatch, tmp_path):
 
 
 def test_the_cases_of_the_benches_are_valid(tmp_path):
-    case = load_case(published.calcified_case(tmp_path / "case.yaml", 270, 10, published.STENTING))
+    case = load_case(published.calcified_case(tmp_path / "case.yaml", 270, 10, published.STENTING_PLAN))
     assert case["vessel"]["lesions"][0]["calcium"]["arc_deg"] == 270 and len(case["plan"]) == 3
 
 
 def test_a_refused_case_says_why(tmp_path, capsys):
     (tmp_path / "case.yaml").write_text("kind: synthetic\n")
-    outcome = bench_cases.treat(tmp_path / "case.yaml", tmp_path / "case", tmp_path)
-    assert outcome.engine is None and outcome.refused
-    assert outcome.refused in capsys.readouterr().err
+    outcome = bench_cases.run_engine_and_truth(tmp_path / "case.yaml", tmp_path / "case", tmp_path)
+    assert outcome.engine is None and outcome.refusal
+    assert outcome.refusal in capsys.readouterr().err
 
 
 def test_mean_and_standard_deviation_as_text():

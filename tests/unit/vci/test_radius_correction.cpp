@@ -14,13 +14,13 @@ double radius_of(double s) {
   return healthy_radius - (d < 1 ? (healthy_radius - throat_radius) * 0.5 * (1 + std::cos(pi * d)) : 0);
 }
 
-Vec3 on_axis(double s) {
+Vec3 axis_point(double s) {
   return bend * Vec3(std::cos(s / bend), std::sin(s / bend), 0);
 }
 
-Vec3 on_wall(double s, double angle, double radius) {
-  const Vec3 outwards = on_axis(s) / bend;
-  return on_axis(s) + radius * (std::cos(angle) * outwards + std::sin(angle) * Vec3::UnitZ());
+Vec3 wall_point(double s, double angle, double radius) {
+  const Vec3 outwards = axis_point(s) / bend;
+  return axis_point(s) + radius * (std::cos(angle) * outwards + std::sin(angle) * Vec3::UnitZ());
 }
 
 /// Wall of the bend in steps of 0.05 mm along it, 80 points round it.
@@ -30,7 +30,7 @@ Lumen narrowed_bend() {
   for (int r = 0; r < rings; ++r)
     for (int k = 0; k < around; ++k) {
       const double s = axis_length * r / (rings - 1);
-      l.points.push_back(on_wall(s, 2 * pi * k / around, radius_of(s)));
+      l.points.push_back(wall_point(s, 2 * pi * k / around, radius_of(s)));
       l.radius.push_back(radius_of(s));
     }
   for (int r = 0; r + 1 < rings; ++r)
@@ -47,7 +47,7 @@ Lumen narrowed_bend() {
 std::map<std::string, Path> polyline() {
   Vectors points;
   for (double s = 0; s <= axis_length; s += 0.5)
-    points.push_back(on_axis(s));
+    points.push_back(axis_point(s));
   return {{"main", Path(points, 0)}};
 }
 
@@ -97,7 +97,7 @@ TEST(RadiusCorrection, ANeighboursWallGivesWayAndKeepsItsOrder) {
   Lumen l = narrowed_bend();
   std::map<std::string, Path> paths = polyline();
   // a thin vessel across the throat, above it
-  const Vec3 over = on_axis(middle), along = over.normalized();
+  const Vec3 over = axis_point(middle), along = over.normalized();
   Vectors line;
   for (double x = -3; x <= 3; x += 0.5)
     line.push_back(over + Vec3(0, 0, 1.5) + x * along);

@@ -57,7 +57,7 @@ TEST(RingHoops, ForceIsTheEnergysGradientOnBothBranches) {
   for (double strain : {0.01, -0.02, 0.2, -0.1}) {
     const Vectors x = circle(1.0, 0.1);
     RingHoops force({{all_vertices(), 5.0, 0.03, 0.1, perimeter(x) / (1 + strain)}});
-    EXPECT_EQ(force.yielding(x), std::abs(strain) > 0.03);
+    EXPECT_EQ(force.count_yielding(x), std::abs(strain) > 0.03);
     check_gradient(force, x);
   }
 }
@@ -67,9 +67,9 @@ TEST(RingHoops, MatrixIsTheHessianOnBothBranches) {
   for (double strain : {0.02, 0.2}) {
     RingHoops force({{all_vertices(), 5.0, 0.03, 0.1, perimeter(x) / (1 + strain)}});
     BlockPattern pattern(n);
-    force.declare(pattern);
+    force.declare_stencils(pattern);
     BlockMatrix matrix(std::move(pattern));
-    force.link(matrix);
+    force.locate_blocks(matrix);
     Vectors f(n, Vec3::Zero());
     force.evaluate(x, f, &matrix, true);
     const double h = 1e-6;
@@ -146,8 +146,8 @@ TEST(RingHoops, AFlawDoesNotNeck) {
       }
     }
     static Vec3 centre(const Vectors& p) { return std::accumulate(p.begin(), p.begin() + n, Vec3(Vec3::Zero())) / n; }
-    void declare(BlockPattern&) const override {}
-    void link(const BlockMatrix&) override {}
+    void declare_stencils(BlockPattern&) const override {}
+    void locate_blocks(const BlockMatrix&) override {}
   };
   system.add_force(body, std::make_unique<Pull>());
   Interactions none;

@@ -214,10 +214,10 @@ TEST(Scene, NamesTheKeyOfANumberThatIsTooLarge) {
     read_scene(SceneFile(text).path());
     FAIL() << "accepted";
   } catch (const common::InputError& e) {
-    const std::string told = e.what();
-    EXPECT_NE(told.find("scene.patient.map_pa"), std::string::npos) << told;
-    EXPECT_NE(told.find("out of its range"), std::string::npos) << told;
-    EXPECT_EQ(told.find("damaged"), std::string::npos) << told;
+    const std::string message = e.what();
+    EXPECT_NE(message.find("scene.patient.map_pa"), std::string::npos) << message;
+    EXPECT_NE(message.find("out of its range"), std::string::npos) << message;
+    EXPECT_EQ(message.find("damaged"), std::string::npos) << message;
   }
 }
 

@@ -10,14 +10,14 @@ import pytest
 
 from common.errors import InputError
 from vci.benchmarks import baseline, benchmark
-from vci.benchmarks.programs import run
+from vci.benchmarks.programs import run_program
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SPEC = importlib.util.spec_from_file_location(
     "vci_measured_tables", ROOT / "tests" / "verification" / "vci" / "measured_tables.py"
 )
-tables = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(tables)
+measured_tables = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(measured_tables)
 
 
 def options(**changes):
@@ -27,7 +27,7 @@ def options(**changes):
 
 
 def test_all_but_the_first_values_are_run_at_one_edge():
-    assert benchmark.settings_of(options()) == [
+    assert benchmark.benchmark_settings(options()) == [
         (0.8, 3e-3, "single", "membrane"),
         (0.4, 3e-3, "single", "membrane"),
         (0.4, 1e-2, "single", "membrane"),
@@ -39,13 +39,13 @@ def test_all_but_the_first_values_are_run_at_one_edge():
 def rows_with(monkeypatch, refused):
     """A case's rows where the settings (edge, tolerance) `refused` do not balance; areas are 10 + edge."""
 
-    def deploy(_programs, case, setting, _folder):
-        row = {"case": case} | dict(zip(benchmark.SETTING, setting))
+    def fake_row(_programs, case, setting, _folder):
+        row = {"case": case} | dict(zip(benchmark.SETTING_COLUMNS, setting))
         if setting[:2] in refused:
             return row | {"outcome": "refused", "reason": "no balance"}
         return row | {"outcome": "balanced", "mean_csa_mm2": 10 + setting[0], "mla_mm2": 5.0, "cpu_seconds": 1.0}
 
-    monkeypatch.setattr(benchmark, "deploy", deploy)
+    monkeypatch.setattr(benchmark, "deployment_row", fake_row)
     return benchmark.run_case(options(), "straight")
 
 
@@ -61,22 +61,22 @@ def test_errors_are_against_the_finest_run_that_balances_and_say_which(monkeypat
     assert rows[0]["reference"] == "0.4 mm, 0.01", "the finest row there is"
     rows = rows_with(monkeypatch, [(e, t) for e in (0.8, 0.4) for t in (3e-3, 1e-2, 3e-4)])
     assert not any("mean_csa_error_percent" in r for r in rows)
-    assert [m["cases"] for m in benchmark.medians(rows)] == [0] * 7
+    assert [m["cases"] for m in benchmark.median_rows(rows)] == [0] * 7
 
 
 def row(scheme, cpu, error, **more):
-    key = benchmark.ERRORS[0]
+    key = benchmark.ERROR_COLUMNS[0]
     found = {} if error is None else {key: error}
     return {"case": "straight", "scheme": scheme, "edge_mm": 1.0, "cpu_seconds": cpu} | found | more
 
 
 def test_a_level_of_error_has_the_cheapest_row_of_each_scheme_within_it():
-    facets, smooth = baseline.SCHEMES
+    facets, smooth = baseline.TEXTBOOK_SCHEMES
     rows = [row("default", 0.5, -2.0), row("default", 2.0, 0.2), row("reference", 20.0, 0.0)]
     rows += [row(smooth, 8.0, 4.0, velocity_stop_mm_per_ms=0.01, fixed_step_ms=0.01), row(smooth, 60.0, None)]
     rows += [row(smooth, 20.0, 2.5, velocity_stop_mm_per_ms=0.001, fixed_step_ms=0.003)]
     rows += [row(facets, 30.0, -0.9, velocity_stop_mm_per_ms=0.01, fixed_step_ms=0.01)]
-    table = baseline.levels(rows)
+    table = baseline.level_rows(rows)
     assert [r["times"] for r in table if r["contact"] == "facets"] == [60, 60, 15]
     five, three, one = [r for r in table if r["contact"] == "smooth"]
     assert (five["times"], three["times"]) == (16, 40)
@@ -87,15 +87,15 @@ def test_a_level_of_error_has_the_cheapest_row_of_each_scheme_within_it():
 
 
 def test_the_textbook_scheme_runs_with_contact_to_facets_and_to_the_smooth_surface():
-    runs = list(baseline.runs_of([1.0]))
-    for scheme, (surface, wanted) in baseline.SCHEMES.items():
+    runs = list(baseline.scheme_runs([1.0]))
+    for scheme, (surface, wanted) in baseline.TEXTBOOK_SCHEMES.items():
         numerics = [settings["numerics"] for name, _, _, settings in runs if name == scheme]
         assert len(numerics) == len(wanted) and {n["integration"] for n in numerics} == {"textbook"}
         assert {n["contact_surface"] for n in numerics} == {surface}
 
 
 def test_a_run_is_stopped_once_its_budget_is_used_up():
-    code, _, cpu = run(["/usr/bin/python3", "-c", "while True: pass"], budget=1)
+    code, _, cpu = run_program(["/usr/bin/python3", "-c", "while True: pass"], budget=1)
     assert code == -signal.SIGXCPU and cpu > 0
 
 
@@ -112,13 +112,13 @@ def test_tables_of_the_page_are_those_of_the_files(tmp_path):
         writer.writeheader()
         writer.writerow(line)
     text = "<!-- table: deployment_baseline -->\nold\n<!-- end -->\n"
-    lines = tables.PAGE.filled(text, tmp_path).splitlines()
+    lines = measured_tables.PAGE.filled(text, tmp_path).splitlines()
     assert lines[3].startswith("| straight |") and lines[3].endswith("| 16.2 |") and "not reached" in lines[3]
-    assert tables.PAGE.filled(text, tmp_path / "none") == text
+    assert measured_tables.PAGE.filled(text, tmp_path / "none") == text
     with pytest.raises(InputError, match="no such table"):
-        tables.PAGE.filled(text.replace("baseline", "other"), tmp_path)
+        measured_tables.PAGE.filled(text.replace("baseline", "other"), tmp_path)
 
 
 def test_the_page_names_tables_that_there_are():
-    places = tables.PAGE.names((ROOT / "vci" / "measured.md").read_text())
-    assert places and places <= set(tables.TABLES)
+    places = measured_tables.PAGE.names((ROOT / "vci" / "measured.md").read_text())
+    assert places and places <= set(measured_tables.TABLES)

@@ -17,8 +17,8 @@ TEST(MassSpring, StiffeningAndYieldingSpringsMatchFiniteDifferences) {
   for (SpringMapping mapping : {SpringMapping::lame, SpringMapping::van_gelder}) {
     MassSpring elastic(sheet_triangles, sheet, {healthy, deep_healthy}, mapping);
     MassSpring plastic(sheet_triangles, sheet, {plaque, deep}, mapping);
-    EXPECT_EQ(elastic.yielding(x), 0);
-    EXPECT_GE(plastic.yielding(x), 2) << "the plastic branch must be tested";
+    EXPECT_EQ(elastic.count_yielding(x), 0);
+    EXPECT_GE(plastic.count_yielding(x), 2) << "the plastic branch must be tested";
     for (MassSpring* force : {&elastic, &plastic}) {
       check_gradient(*force, x);
       check_hessian(*force, x);
@@ -45,9 +45,9 @@ TEST(MassSpring, DampingIsCriticalAlongTheEdge) {
   const Vectors x{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   MassSpring force({{0, 1, 2}}, x, {{2.0, 0.45}}, SpringMapping::van_gelder);
   BlockPattern pattern(3);
-  force.declare(pattern);
+  force.declare_stencils(pattern);
   BlockMatrix matrix(std::move(pattern));
-  force.link(matrix);
+  force.locate_blocks(matrix);
   force.add_damping(x, {0.1, 0.3, 0.2}, 5.0, matrix);
   const double k = 2.0 * 0.5; // E t A / L^2 of the edge 0-1
   EXPECT_NEAR(matrix.block(matrix.slot(0, 1))(0, 0), -5.0 * 2 * std::sqrt(k * 0.2), 1e-12);

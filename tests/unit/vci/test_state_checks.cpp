@@ -11,11 +11,11 @@ using namespace vci;
 
 RingGrid grid_of(double length, double radius) {
   RingGrid g;
-  g.around = even_count(2 * pi * radius, 0.4);
+  g.ring_size = even_edge_count(2 * pi * radius, 0.4);
   for (int k = 0; k <= 20; ++k) {
     g.s.push_back(length * (k / 20.0 - 0.5));
     g.profile.push_back(1);
-    g.start.push_back(1);
+    g.start_ratio.push_back(1);
   }
   return g;
 }
@@ -36,19 +36,20 @@ TEST(StateChecks, FindsTheVertexThatIsFurthestOutside) {
   add_tube(system, "wall", wall, 1.5);
   add_tube(system, "stent", device, 1.3);
   EXPECT_EQ(furthest_outside(system, trees, system.x, system.body(0).triangles).vertex, -1);
-  check_inside(system, trees, system.x, system.body(0).triangles, "here");
-  const int moved = system.body(1).first + 10 * device.around + 3;
+  check_devices_inside(system, trees, system.x, system.body(0).triangles, "here");
+  const int moved = system.body(1).first + 10 * device.ring_size + 3;
   for (const double out : {0.06, 0.5}) {
     Vec3& p = system.x[moved];
     const double r = std::hypot(p[0], p[1]);
     p = {p[0] * (1.5 + out) / r, p[1] * (1.5 + out) / r, p[2]};
-    const Outside furthest = furthest_outside(system, trees, system.x, system.body(0).triangles);
+    const OutsideVertex furthest = furthest_outside(system, trees, system.x, system.body(0).triangles);
     EXPECT_EQ(furthest.vertex, moved);
     EXPECT_NEAR(furthest.distance, out, 0.01) << "to the cylinder through the vertices, not to its chords";
     if (out < 0.1)
-      check_inside(system, trees, system.x, system.body(0).triangles, "here");
+      check_devices_inside(system, trees, system.x, system.body(0).triangles, "here");
     else
-      EXPECT_THROW(check_inside(system, trees, system.x, system.body(0).triangles, "here"), common::ComputationError);
+      EXPECT_THROW(check_devices_inside(system, trees, system.x, system.body(0).triangles, "here"),
+                   common::ComputationError);
   }
 }
 
@@ -58,10 +59,11 @@ TEST(StateChecks, WhatLiesWithinTheWholeLumenIsNotOutsideOfAPartOfIt) {
   const RingGrid wall = grid_of(16, 1.5), device = grid_of(10, 1.3), whole = grid_of(16, 3.0);
   add_tube(system, "wall", wall, 1.5);
   add_tube(system, "stent", device, 1.3);
-  Vec3& p = system.x[system.body(1).first + 10 * device.around + 3];
+  Vec3& p = system.x[system.body(1).first + 10 * device.ring_size + 3];
   p.head<2>() *= 2.0 / 1.3; // as in the mouth of a side branch, whose wall is not among the bodies
-  check_inside(system, trees, straight_grid(whole, 3.0), whole.triangles(), "here");
-  EXPECT_THROW(check_inside(system, trees, system.x, system.body(0).triangles, "here"), common::ComputationError);
+  check_devices_inside(system, trees, straight_grid(whole, 3.0), whole.triangles(), "here");
+  EXPECT_THROW(check_devices_inside(system, trees, system.x, system.body(0).triangles, "here"),
+               common::ComputationError);
 }
 
 TEST(StateChecks, ADeviceThatPassesTheWallsOpenEndIsNotOutside) {
@@ -94,14 +96,16 @@ TEST(StateChecks, AStentIsSupportedByTheWallOrByAStentThatIs) {
     at.push_back(system.body(stents.back().stent.body).first);
   }
   using Flags = std::vector<char>;
-  EXPECT_EQ(supported(system, {}, {}, stents), (Flags{0, 0, 0}));
-  EXPECT_EQ(supported(system, {contact(at[1], at[0], 1)}, {}, stents), (Flags{0, 0, 0})) << "both hang free together";
-  EXPECT_EQ(supported(system, {contact(at[1], at[0], 1), contact(at[0], 5, 1)}, {}, stents), (Flags{1, 1, 0}));
-  EXPECT_EQ(supported(system, {contact(at[0], 5, 1), contact(at[2], at[1], 1), contact(at[1], at[0], 1)}, {}, stents),
-            (Flags{1, 1, 1}));
-  EXPECT_EQ(supported(system, {contact(at[0], 5, 0)}, {}, stents), (Flags{0, 0, 0})) << "near, without a force";
+  EXPECT_EQ(stents_supported(system, {}, {}, stents), (Flags{0, 0, 0}));
+  EXPECT_EQ(stents_supported(system, {contact(at[1], at[0], 1)}, {}, stents), (Flags{0, 0, 0}))
+      << "both hang free together";
+  EXPECT_EQ(stents_supported(system, {contact(at[1], at[0], 1), contact(at[0], 5, 1)}, {}, stents), (Flags{1, 1, 0}));
+  EXPECT_EQ(
+      stents_supported(system, {contact(at[0], 5, 1), contact(at[2], at[1], 1), contact(at[1], at[0], 1)}, {}, stents),
+      (Flags{1, 1, 1}));
+  EXPECT_EQ(stents_supported(system, {contact(at[0], 5, 0)}, {}, stents), (Flags{0, 0, 0})) << "near, without a force";
   const Tie tie{contact(at[2], 5, 1).stencil, Vec3::Zero(), 0.1};
-  EXPECT_EQ(supported(system, {}, {tie}, stents), (Flags{0, 0, 1}));
+  EXPECT_EQ(stents_supported(system, {}, {tie}, stents), (Flags{0, 0, 1}));
 }
 
 TEST(Rings, SectionsAreTheTubesHoweverAslantItsRingsLie) {
@@ -110,7 +114,7 @@ TEST(Rings, SectionsAreTheTubesHoweverAslantItsRingsLie) {
   const int body = add_tube(system, "stent", grid, 1.5);
   for (int v = 0; v < system.vertices(); ++v)
     system.x[v][2] += 0.4 * system.x[v][0]; // each ring turned by 22 degrees within the cylinder
-  for (const double area : ring_sections(system, body, grid))
+  for (const double area : ring_section_areas(system, body, grid))
     EXPECT_NEAR(area, pi * 1.5 * 1.5, 1e-9);
   for (const double radius : ring_radii(system, body, grid))
     EXPECT_GT(radius, 1.55) << "its own area is an ellipse's";
@@ -132,12 +136,12 @@ TEST(Rings, AnOvalsPerimeterIsMoreThanItsAreaSays) {
     EXPECT_NEAR(d, perimeter, 0.002 * perimeter);
   StentSpec spec{};
   spec.maximal_diameter = 3.05; // a round stent of that area passes
-  const auto warning = overexpansion(system, stent_of(body, grid, "des"), spec, "kissing");
+  const auto warning = overexpansion_warning(system, stent_of(body, grid, "des"), spec, "kissing");
   ASSERT_TRUE(warning.has_value());
   EXPECT_NE(warning->find("kissing: des is opened to 3.1"), std::string::npos) << *warning;
   EXPECT_NE(warning->find("(21 of 21 rings)"), std::string::npos) << *warning;
   spec.maximal_diameter = 3.2;
-  EXPECT_FALSE(overexpansion(system, stent_of(body, grid, "des"), spec, "kissing").has_value());
+  EXPECT_FALSE(overexpansion_warning(system, stent_of(body, grid, "des"), spec, "kissing").has_value());
 }
 
 } // namespace

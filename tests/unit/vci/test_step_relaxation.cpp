@@ -15,7 +15,7 @@ Vectors steps_of(const Vectors& x, const std::vector<double>& rate) {
 }
 
 /// Where 200 vertices get to in so many steps; vertex 7 steps by its own rate.
-Vectors relaxed(int steps, double rate_of_one, double rate_of_others, bool calms) {
+Vectors positions_after(int steps, double rate_of_one, double rate_of_others, bool damps) {
   Vectors x(200, Vec3(0.001, 0, 0)), last;
   x[7] = Vec3(0.1, 0.05, 0);
   std::vector<double> rate(x.size(), rate_of_others);
@@ -23,7 +23,7 @@ Vectors relaxed(int steps, double rate_of_one, double rate_of_others, bool calms
   StepRelaxation relaxation;
   for (int step = 0; step < steps; ++step) {
     Vectors dx = steps_of(x, rate);
-    if (calms)
+    if (damps)
       relaxation.damp(dx, last, dx[0].norm());
     for (std::size_t i = 0; i < x.size(); ++i)
       x[i] += dx[i];
@@ -33,13 +33,13 @@ Vectors relaxed(int steps, double rate_of_one, double rate_of_others, bool calms
 }
 
 TEST(StepRelaxation, AVertexThatJumpsToAndFroForEverSettles) {
-  EXPECT_NEAR(relaxed(40, -2, -0.2, false)[7].norm(), Vec3(0.1, 0.05, 0).norm(), 1e-12);
-  EXPECT_LT(relaxed(40, -2, -0.2, true)[7].norm(), 1e-3);
-  EXPECT_LT(relaxed(40, -3, -0.2, true)[7].norm(), 1e-3) << "even where its jumps would grow";
+  EXPECT_NEAR(positions_after(40, -2, -0.2, false)[7].norm(), Vec3(0.1, 0.05, 0).norm(), 1e-12);
+  EXPECT_LT(positions_after(40, -2, -0.2, true)[7].norm(), 1e-3);
+  EXPECT_LT(positions_after(40, -3, -0.2, true)[7].norm(), 1e-3) << "even where its jumps would grow";
 }
 
 TEST(StepRelaxation, AllVerticesThatJumpSettleThoughNoneIsAnOutlier) {
-  Vectors x = relaxed(40, -2, -2, true);
+  Vectors x = positions_after(40, -2, -2, true);
   EXPECT_LT(x[0].norm(), 1e-5);
 }
 

@@ -8,12 +8,12 @@ namespace {
 
 using namespace vci;
 
-Vectors units_of(const System& system) {
+Vectors unit_normals_of(const System& system) {
   const Body& body = system.body(0);
-  Vectors units = vertex_area_vectors(body.triangles, system.x, body.first, body.count);
-  for (Vec3& n : units)
+  Vectors unit_normals = vertex_area_vectors(body.triangles, system.x, body.first, body.count);
+  for (Vec3& n : unit_normals)
     n.normalize();
-  return units;
+  return unit_normals;
 }
 
 TEST(SurfaceProjection, LooksAtEveryCandidate) {
@@ -32,7 +32,7 @@ TEST(SurfaceProjection, LooksAtEveryCandidate) {
   const double angle = 2 * pi * (around - 0.5) / around;
   double distance = 0;
   const SurfaceProjection found = project_onto({0.04 * std::cos(angle), 0.04 * std::sin(angle), 0.01}, candidates,
-                                               system, units_of(system), system.body(0), distance);
+                                               system, unit_normals_of(system), system.body(0), distance);
   EXPECT_EQ(found.triangle, around - 1);
   EXPECT_TRUE(found.along_normals);
   EXPECT_NEAR(distance, 0.01, 1e-12);
@@ -48,19 +48,20 @@ System ridge() {
 
 TEST(SurfaceProjection, PassesAnEdgeWithoutAJump) {
   const System system = ridge();
-  const Vectors units = units_of(system);
+  const Vectors unit_normals = unit_normals_of(system);
   const Body& body = system.body(0);
-  const Vec3 n = interpolated_normal(body.triangles[0], {0.5, 0.5, 0}, units), across = n.cross(Vec3::UnitY());
+  const Vec3 n = interpolated_normal(body.triangles[0], {0.5, 0.5, 0}, unit_normals), across = n.cross(Vec3::UnitY());
   const double out = across[0] > 0 ? 1 : -1; // beyond the edge
   SurfaceProjection before, beyond;
-  ASSERT_TRUE(follow_projection(0.02 * n - 1e-4 * out * across, 0, system, units, body, before));
+  ASSERT_TRUE(follow_projection(0.02 * n - 1e-4 * out * across, 0, system, unit_normals, body, before));
   EXPECT_TRUE(before.along_normals);
   const Vec3 past = 0.02 * n + 1e-4 * out * across;
-  EXPECT_FALSE(follow_projection(past, 0, system, units, body, beyond));
-  ASSERT_TRUE(stay_on_edge(past, 0, system, units, body, beyond));
+  EXPECT_FALSE(follow_projection(past, 0, system, unit_normals, body, beyond));
+  ASSERT_TRUE(project_onto_edge(past, 0, system, unit_normals, body, beyond));
   EXPECT_FALSE(beyond.along_normals);
   EXPECT_LT((beyond.weights - before.weights).norm(), 2e-3);
-  EXPECT_FALSE(stay_on_edge(0.02 * n + 0.5 * out * across, 0, system, units, body, beyond)) << "far from the edge";
+  EXPECT_FALSE(project_onto_edge(0.02 * n + 0.5 * out * across, 0, system, unit_normals, body, beyond))
+      << "far from the edge";
 }
 
 } // namespace

@@ -78,12 +78,12 @@ TEST(SurfaceContact, FindsOnTheWayWhatItWouldFindAnew) {
 }
 
 /// A tube through one with a window, whose rows of 12 vertices are its rings.
-struct Windowed {
+struct WindowedTubes {
   System system;
   std::vector<char> window, rim;
   Vectors normals;
   std::vector<ContactPoint> found;
-  explicit Windowed(double depth, bool with_rim = false) {
+  explicit WindowedTubes(double depth, bool with_rim = false) {
     add_tube(system, 12, 1.5, 0);
     add_tube(system, 16, 1.5 + depth, 0.1);
     for (int v = system.body(1).first; v < system.vertices(); ++v)
@@ -98,24 +98,24 @@ struct Windowed {
     SurfaceContact(1, 0, {}, {true, {}, window, rim}).detect(system, normals, found);
   }
   /// How much of the surface is there where a point of the second tube meets it: of an end's row, of a window's.
-  std::array<double, 2> left(const ContactPoint& p) const {
-    std::array<double, 2> left{1, 1};
+  std::array<double, 2> remaining_shares(const ContactPoint& p) const {
+    std::array<double, 2> remaining_shares{1, 1};
     for (int k = 1; k < 4; ++k) {
-      left[0] -= system.body(0).boundary[p.stencil.vertex[k]] ? p.stencil.weight[k] : 0;
-      left[1] -= window[p.stencil.vertex[k]] || rim[p.stencil.vertex[k]] ? p.stencil.weight[k] : 0;
+      remaining_shares[0] -= system.body(0).boundary[p.stencil.vertex[k]] ? p.stencil.weight[k] : 0;
+      remaining_shares[1] -= window[p.stencil.vertex[k]] || rim[p.stencil.vertex[k]] ? p.stencil.weight[k] : 0;
     }
-    return left;
+    return remaining_shares;
   }
-  bool of_the_second(const ContactPoint& p) const { return p.stencil.vertex[0] >= system.body(1).first; }
+  bool of_inner_tube(const ContactPoint& p) const { return p.stencil.vertex[0] >= system.body(1).first; }
 };
 
 TEST(SurfaceContact, HoldsDeepVerticesNearlyToAWindowsRimButNotToAnEnd) {
-  const Windowed tubes(0.06);
+  const WindowedTubes tubes(0.06);
   int at_window = 0, at_end = 0;
   for (const ContactPoint& p : tubes.found) {
-    if (!tubes.of_the_second(p))
+    if (!tubes.of_inner_tube(p))
       continue;
-    const auto [end, rim] = tubes.left(p);
+    const auto [end, rim] = tubes.remaining_shares(p);
     const double share = end < 1 ? end : rim, deep = end < 1 ? end : std::min(1.0, 10 * rim);
     const double area = tubes.normals[p.stencil.vertex[0]].norm();
     EXPECT_NEAR(p.area, share * area, 1e-12);
@@ -129,15 +129,15 @@ TEST(SurfaceContact, HoldsDeepVerticesNearlyToAWindowsRimButNotToAnEnd) {
 }
 
 TEST(SurfaceContact, EndsAtVerticesRoundAWindowThatTouchInTurn) {
-  const Windowed tubes(0.06, true);
+  const WindowedTubes tubes(0.06, true);
   std::vector<int> touching(tubes.window.size(), 0);
   int before_rim = 0;
   for (const ContactPoint& p : tubes.found) {
-    if (!tubes.of_the_second(p)) {
+    if (!tubes.of_inner_tube(p)) {
       ++touching[p.stencil.vertex[0]];
       continue;
     }
-    const auto [end, rim] = tubes.left(p);
+    const auto [end, rim] = tubes.remaining_shares(p);
     EXPECT_GT(rim, 0) << "nothing meets the rim or the window";
     EXPECT_NEAR(p.area, (end < 1 ? end : rim) * tubes.normals[p.stencil.vertex[0]].norm(), 1e-12);
     before_rim += rim < 0.9;

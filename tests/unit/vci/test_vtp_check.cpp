@@ -27,7 +27,7 @@ const std::string triangle = R"(<?xml version="1.0"?>
 )";
 
 /// The triangle with one text replaced by another.
-std::string with(const std::string& from, const std::string& to) {
+std::string with_replaced(const std::string& from, const std::string& to) {
   std::string text = triangle;
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
@@ -38,32 +38,32 @@ std::string with(const std::string& from, const std::string& to) {
 std::string refusal_of(const std::string& text) {
   const auto file = std::filesystem::path(testing::TempDir()) / ("vci_check_" + std::to_string(::getpid()) + ".vtp");
   std::ofstream(file) << text;
-  std::string said;
+  std::string message;
   try {
     const auto data = read_polydata(file, "lumen");
     EXPECT_EQ(data->GetNumberOfPoints(), 3);
     EXPECT_EQ(data->GetNumberOfPolys(), 1);
   } catch (const common::InputError& e) {
-    said = e.what();
-    EXPECT_NE(said.find("remedy:"), std::string::npos);
+    message = e.what();
+    EXPECT_NE(message.find("remedy:"), std::string::npos);
   }
   std::filesystem::remove(file);
-  return said;
+  return message;
 }
 
-void expect_refused(const std::string& text, const std::string& because) {
-  EXPECT_NE(refusal_of(text).find(because), std::string::npos) << because << ", but: " << refusal_of(text);
+void expect_refused(const std::string& text, const std::string& reason) {
+  EXPECT_NE(refusal_of(text).find(reason), std::string::npos) << reason << ", but: " << refusal_of(text);
 }
 
 /// The triangle with its radii as base64.
-std::string binary(const std::string& radii) {
-  return with(R"(format="ascii">1 2 3)", R"(format="binary">)" + radii);
+std::string with_binary_radii(const std::string& radii) {
+  return with_replaced(R"(format="ascii">1 2 3)", R"(format="binary">)" + radii);
 }
 
 /// The triangle with a compressed array of the header's words (bytes, base64) in place of its radii.
-std::string compressed(const std::string& header) {
+std::string with_compressed_radii(const std::string& header) {
   const std::string from = R"(<DataArray type="Float64" Name="radius_mm" format="ascii">1 2 3)";
-  std::string text = with(from, R"(<DataArray type="Float64" Name="radius_mm" format="binary">)" + header);
+  std::string text = with_replaced(from, R"(<DataArray type="Float64" Name="radius_mm" format="binary">)" + header);
   const std::string root = R"(header_type="UInt32")";
   return text.replace(text.find(root), root.size(), root + R"( compressor="vtkZLibDataCompressor")");
 }
@@ -73,20 +73,24 @@ TEST(VtpCheck, ReadsAFileThatHoldsWhatItClaims) {
 }
 
 TEST(VtpCheck, RefusesMorePointsCellsOrComponentsThanThereAreValues) {
-  expect_refused(with(R"(NumberOfPoints="3")", R"(NumberOfPoints="4")"), "fewer data than the element claims");
-  expect_refused(with(R"(NumberOfPoints="3")", R"(NumberOfPoints="3000000000")"),
+  expect_refused(with_replaced(R"(NumberOfPoints="3")", R"(NumberOfPoints="4")"), "fewer data than the element claims");
+  expect_refused(with_replaced(R"(NumberOfPoints="3")", R"(NumberOfPoints="3000000000")"),
                  "more values than the file has bytes");
-  expect_refused(with(R"(NumberOfPoints="3")", R"(NumberOfPoints="9000000000000000000")"), "more values than any");
-  expect_refused(with(R"(NumberOfPoints="3")", R"(NumberOfPoints="-3")"), "negative");
-  expect_refused(with(R"(NumberOfPolys="1")", R"(NumberOfPolys="2")"), "fewer data than the element claims");
-  expect_refused(with(R"(format="ascii">3<)", R"(format="ascii">3000000000<)"), "more values than the file has bytes");
-  expect_refused(with(R"(format="ascii">3<)", R"(format="ascii">-3<)"), "offsets that do not rise");
+  expect_refused(with_replaced(R"(NumberOfPoints="3")", R"(NumberOfPoints="9000000000000000000")"),
+                 "more values than any");
+  expect_refused(with_replaced(R"(NumberOfPoints="3")", R"(NumberOfPoints="-3")"), "negative");
+  expect_refused(with_replaced(R"(NumberOfPolys="1")", R"(NumberOfPolys="2")"), "fewer data than the element claims");
+  expect_refused(with_replaced(R"(format="ascii">3<)", R"(format="ascii">3000000000<)"),
+                 "more values than the file has bytes");
+  expect_refused(with_replaced(R"(format="ascii">3<)", R"(format="ascii">-3<)"), "offsets that do not rise");
   // VTK asks for a name of each of them
-  expect_refused(with(R"(Name="region_id")", R"(Name="region_id" NumberOfComponents="2000000000")"), "components");
+  expect_refused(with_replaced(R"(Name="region_id")", R"(Name="region_id" NumberOfComponents="2000000000")"),
+                 "components");
 }
 
 TEST(VtpCheck, RefusesWhatMakesTheReaderFollowNullPointers) {
-  std::string text = with("format=\"ascii\">7<", "format=\"ascii\"><"); // cells' data end early, and no points' data
+  std::string text =
+      with_replaced("format=\"ascii\">7<", "format=\"ascii\"><"); // cells' data end early, and no points' data
   text.replace(text.find("<PointData>"), 11, "<SomeData >");
   text.replace(text.find("</PointData>"), 12, "</SomeData >");
   expect_refused(text, "fewer data than the element claims: region_id");
@@ -104,9 +108,9 @@ TEST(VtpCheck, ChecksEveryPiece) {
 TEST(VtpCheck, RefusesTextsBeyondTheirArray) {
   const std::string names = R"(<CellData><DataArray type="String" Name="branch_name" format="ascii">)";
   const std::string main = "109 97 105 110 0 "; // as VTK writes it: the characters' numbers, and an end
-  EXPECT_EQ(refusal_of(with("<CellData>", names + main + "</DataArray>")), "");
-  expect_refused(with("<CellData>", names + main + main + main + "</DataArray>"), "another number of texts");
-  expect_refused(with("<CellData>", names + "109 97</DataArray>"), "another number of texts");
+  EXPECT_EQ(refusal_of(with_replaced("<CellData>", names + main + "</DataArray>")), "");
+  expect_refused(with_replaced("<CellData>", names + main + main + main + "</DataArray>"), "another number of texts");
+  expect_refused(with_replaced("<CellData>", names + "109 97</DataArray>"), "another number of texts");
 }
 
 TEST(VtpCheck, RefusesElementsDeepInOneAnother) {
@@ -115,25 +119,26 @@ TEST(VtpCheck, RefusesElementsDeepInOneAnother) {
     open += "<a>";
     close += "</a>";
   }
-  expect_refused(with("<PointData>", open + close + "<PointData>"), "deep in one another");
+  expect_refused(with_replaced("<PointData>", open + close + "<PointData>"), "deep in one another");
 }
 
 TEST(VtpCheck, RefusesBlocksThatCannotBe) {
   // words of 4 bytes: blocks, bytes of each, bytes of the last, compressed bytes of each
-  expect_refused(compressed("AQAAAAAAAAAYAAAAEAAAAA=="), "a block of data of no size");       // 1, 0, 24, 16
-  expect_refused(compressed("AgAAAAgAAAAYAAAAEAAAABAAAAA="), "larger than the others");       // 2, 8, 24, 16, 16
-  expect_refused(compressed("AAAAAAAAAAAYAAAA"), "a block of data that is not there");        // 0, 0, 24
-  expect_refused(compressed("////fwAAAQAYAAAAEAAAAA=="), "more blocks than the file");        // 2^31 - 1, ...
-  expect_refused(compressed("AQAAAP///38AAAAAEAAAAA=="), "claim to hold more than they can"); // 1, 2^31 - 1, 0, 16
-  expect_refused(compressed("AQAAAAAAAQAYAAAA////fw=="), "larger than the file");             // 1, 2^16, 24, 2^31 - 1
+  expect_refused(with_compressed_radii("AQAAAAAAAAAYAAAAEAAAAA=="), "a block of data of no size"); // 1, 0, 24, 16
+  expect_refused(with_compressed_radii("AgAAAAgAAAAYAAAAEAAAABAAAAA="), "larger than the others"); // 2, 8, 24, 16, 16
+  expect_refused(with_compressed_radii("AAAAAAAAAAAYAAAA"), "a block of data that is not there");  // 0, 0, 24
+  expect_refused(with_compressed_radii("////fwAAAQAYAAAAEAAAAA=="), "more blocks than the file");  // 2^31 - 1, ...
+  expect_refused(with_compressed_radii("AQAAAP///38AAAAAEAAAAA=="),
+                 "claim to hold more than they can");                                        // 1, 2^31 - 1, 0, 16
+  expect_refused(with_compressed_radii("AQAAAAAAAQAYAAAA////fw=="), "larger than the file"); // 1, 2^16, 24, 2^31 - 1
 }
 
 TEST(VtpCheck, RefusesDataThatEndBeforeTheirLength) {
   const std::string radii = "GAAAAAAAAAAAAPA/AAAAAAAAAEAAAAAAAAAIQA=="; // 24 bytes, and 1, 2, 3
-  EXPECT_EQ(refusal_of(binary(radii)), "");
-  expect_refused(binary(radii.substr(0, 20)),
-                 "data that end before their length: radius_mm");           // VTK reads what it finds
-  expect_refused(binary("AAAAAA=="), "fewer data than the element claims"); // 0 bytes
+  EXPECT_EQ(refusal_of(with_binary_radii(radii)), "");
+  expect_refused(with_binary_radii(radii.substr(0, 20)),
+                 "data that end before their length: radius_mm");                      // VTK reads what it finds
+  expect_refused(with_binary_radii("AAAAAA=="), "fewer data than the element claims"); // 0 bytes
 }
 
 } // namespace

@@ -10,15 +10,15 @@ namespace vci::tests {
 
 struct Vessel {
   double length = 20, radius = 1.5, narrowing = 0.5,
-         aside = 0; ///< mm, mm, share of the radius; mm that the throat leans
+         lesion_offset = 0; ///< mm, mm, share of the radius; mm that the throat leans
   int around = 16, rows = 48;
 
-  double throat(double s) const { // 0 beside the lesion, 1 in its middle
+  double lesion_shape(double s) const { // 0 beside the lesion, 1 in its middle
     const double d = (s - length / 2) / 4;
     return std::abs(d) < 1 ? 0.5 * (1 + std::cos(pi * d)) : 0;
   }
-  double radius_at(double s) const { return radius * (1 - narrowing * throat(s)); }
-  Vec3 centre(double s) const { return {aside * throat(s), 0, s}; }
+  double radius_at(double s) const { return radius * (1 - narrowing * lesion_shape(s)); }
+  Vec3 centre(double s) const { return {lesion_offset * lesion_shape(s), 0, s}; }
 
   Lumen lumen() const {
     Lumen l;

@@ -16,14 +16,14 @@ class Vessel:
     """What whatif reads of a case: two states of one tube, of radius 1 mm before and 1.4 mm after."""
 
     def __init__(self):
-        self.flow = settings_module.make()
+        self.flow_settings = settings_module.make()
         s = np.linspace(0.0, LENGTH_MM, 81)
         points = np.stack([s, 0 * s, 0 * s], axis=1)
-        self.tree = Tree([Branch("main", 0, points, s, np.ones_like(s))])
+        self.centrelines = Tree([Branch("main", 0, points, s, np.ones_like(s))])
         end = {"name": "outlet1", "kind": "outlet", "region_id": 2, "branch": "main", "diameter_mm": 2.0}
         branch = {"name": "main", "parent": None, "s_on_parent_mm": None, "length_mm": LENGTH_MM}
-        self.before = {"schema": "vci-anatomy-1", "ends": [end], "branches": [branch], "lesions": []}
-        self.boundary = boundary.make(self.before, self.tree, PATIENT, self.flow)
+        self.anatomy_before = {"schema": "vci-anatomy-1", "ends": [end], "branches": [branch], "lesions": []}
+        self.boundary = boundary.make(self.anatomy_before, self.centrelines, PATIENT, self.flow_settings)
         stent = {"device": "des", "branch": "main", "centre_s_mm": 19.0, "pressure_bar": 10.0}
         self.scene = {
             "segment": {"branch": "main", "s_start_mm": 10.0, "s_end_mm": 28.0},
@@ -32,7 +32,7 @@ class Vessel:
             "wall": {"youngs_modulus_mpa": 0.8, "plaque": {}},
         }
         self.radii = {"pre": 1.0, "vci": 1.4, "rc": 1.5}
-        self.answers = {state: {"ffr": ffr} for state, ffr in (("pre", 0.70), ("vci", 0.90), ("rc", 0.92))}
+        self.flow_results = {state: {"ffr": ffr} for state, ffr in (("pre", 0.70), ("vci", 0.90), ("rc", 0.92))}
 
     def anatomy(self, state="pre"):
         return state
@@ -41,10 +41,10 @@ class Vessel:
         s = np.linspace(0.5, LENGTH_MM - 0.5, 79)
         area = np.pi * (self.radii[state] if isinstance(state, str) else state) ** 2 + 0 * s
         table = pd.DataFrame({"branch": "main", "s_mm": s, "x_mm": s, "y_mm": 0.0, "z_mm": 0.0, "area_mm2": area})
-        return self.before, table
+        return self.anatomy_before, table
 
-    def answer(self, state):
-        return self.answers[state]
+    def flow_result(self, state):
+        return self.flow_results[state]
 
 
 @pytest.fixture

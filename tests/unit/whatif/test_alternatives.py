@@ -27,9 +27,9 @@ def changed(steps, other):
 
 
 def test_each_alternative_changes_what_it_says(plan, families):
-    steps = alternatives.requests(plan)
+    steps = alternatives.case_steps(plan)
     before = copy.deepcopy(steps)
-    found = alternatives.all_of(steps, families)
+    found = alternatives.all_alternatives(steps, families)
     assert changed(steps, found["shorter"][1]) == {("stent", "length_mm"): 15}
     assert changed(steps, found["longer"][1]) == {("stent", "length_mm"): 23}
     larger = {("stent", "diameter_mm"): 3.25, ("postdilatation", "diameter_mm"): 3.5}
@@ -44,8 +44,8 @@ def test_each_alternative_changes_what_it_says(plan, families):
 
 
 def test_a_stent_alone_gets_balloons_of_the_catalogue(plan, families):
-    steps = [alternatives.requests(plan)[1]]
-    found = alternatives.all_of(steps, families)
+    steps = [alternatives.case_steps(plan)[1]]
+    found = alternatives.all_alternatives(steps, families)
     words, other, _ = found["predilatation"]
     balloon = other[0]["devices"][0]
     assert words == "with predilatation" and [step["action"] for step in other] == ["predilatation", "stent"]
@@ -56,20 +56,20 @@ def test_a_stent_alone_gets_balloons_of_the_catalogue(plan, families):
 
 
 def test_what_the_catalogue_does_not_have_is_not_offered(plan, families):
-    steps = alternatives.requests(plan)
+    steps = alternatives.case_steps(plan)
     steps[1]["devices"][0] |= {"length_mm": 38.0, "diameter_mm": 4.5, "pressure_bar": 16}
     steps[2]["devices"][0]["pressure_bar"] = 20
-    found = alternatives.all_of(steps, families)
+    found = alternatives.all_alternatives(steps, families)
     assert found["longer"][1] is None and "ends at 38 mm" in found["longer"][2]
     assert found["pressure"][2] == "every balloon is at its rated burst pressure"
     assert changed(steps, found["larger"][1]) == {("postdilatation", "diameter_mm"): 3.5}, "the largest stent stays"
     assert found["shorter"][1] is not None
     steps[2]["devices"][0]["diameter_mm"] = 5.5
-    assert alternatives.all_of(steps, families)["larger"][2] == "every device is the catalogue's largest"
+    assert alternatives.all_alternatives(steps, families)["larger"][2] == "every device is the catalogue's largest"
 
 
 def test_a_plan_of_balloons_has_no_stent_to_change(plan, families):
-    found = alternatives.all_of(alternatives.requests(plan)[:1], families)
+    found = alternatives.all_alternatives(alternatives.case_steps(plan)[:1], families)
     assert found["longer"][2] == "the plan has no stent" and found["postdilatation"][1] is None
     assert found["predilatation"][1:] == (None, "the plan has no other step")
 
@@ -77,4 +77,4 @@ def test_a_plan_of_balloons_has_no_stent_to_change(plan, families):
 def test_a_device_that_is_not_named_after_its_size_is_refused(plan):
     plan["devices"]["semi_compliant_2.50x15"]["length_mm"] = 20
     with pytest.raises(InputError, match="tells no family"):
-        alternatives.requests(plan)
+        alternatives.case_steps(plan)

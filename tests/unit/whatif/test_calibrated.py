@@ -25,9 +25,9 @@ def test_the_probe_is_found_where_the_axis_has_moved(vessel):
     anatomy, sections = vessel.lumen("pre")
     probe = vessel.boundary["probes"][0]
     point = np.array(probe["point_mm"])
-    assert calibrated.axis_of(sections, "main").project(point)[0] == pytest.approx(probe["s_mm"])
+    assert calibrated.branch_axis(sections, "main").project(point)[0] == pytest.approx(probe["s_mm"])
     stretched = sections.assign(s_mm=1.1 * sections["s_mm"])
-    assert calibrated.axis_of(stretched, "main").project(point)[0] == pytest.approx(1.1 * probe["s_mm"])
+    assert calibrated.branch_axis(stretched, "main").project(point)[0] == pytest.approx(1.1 * probe["s_mm"])
 
 
 def test_answers_are_given_back_and_the_third_tells_the_error(vessel):
@@ -40,7 +40,7 @@ def test_answers_are_given_back_and_the_third_tells_the_error(vessel):
 
 
 def test_an_estimate_larger_than_what_was_missed_is_the_error(vessel):
-    vessel.answers["pre"]["error_estimate"] = {"ffr": 0.2}
+    vessel.flow_results["pre"]["error_estimate"] = {"ffr": 0.2}
     assert calibrated.calibrate(vessel, ["rc"]).error == 0.2
 
 
@@ -52,6 +52,6 @@ def test_between_and_beyond_both_answers_losses_grow():
 
 
 def test_a_lesion_without_any_loss_is_refused(vessel):
-    vessel.answers = {"pre": {"ffr": 1.0}, "vci": {"ffr": 1.0}}
+    vessel.flow_results = {"pre": {"ffr": 1.0}, "vci": {"ffr": 1.0}}
     with pytest.raises(InputError, match="no loss of pressure"):
         calibrated.calibrate(vessel, [])

@@ -17,7 +17,9 @@ def case(vessel, monkeypatch):
 
 
 def test_the_calibrated_lumens_are_given_back_and_others_lie_beside_them(case):
-    found = lumens.ffr_of(case, ["arm/r140", "arm/r100", "arm/r120", "arm/r160", "arm/r90"], ["pre", "vci", "rc"])
+    found = lumens.ffr_of_lumens(
+        case, ["arm/r140", "arm/r100", "arm/r120", "arm/r160", "arm/r90"], ["pre", "vci", "rc"]
+    )
     ffr = {name: one["ffr"] for name, one in found["lumens"].items()}
     assert ffr["r140"] == pytest.approx(0.90) and ffr["r100"] == pytest.approx(0.70)
     assert ffr["r90"] < 0.70 < ffr["r120"] < 0.90 < ffr["r160"] < 1.0
@@ -28,4 +30,4 @@ def test_the_calibrated_lumens_are_given_back_and_others_lie_beside_them(case):
 
 def test_without_the_planned_procedure_there_is_nothing_to_calibrate_on(case):
     with pytest.raises(InputError, match="vci"):
-        lumens.ffr_of(case, ["arm/r140"], ["pre", "rc"])
+        lumens.ffr_of_lumens(case, ["arm/r140"], ["pre", "rc"])

@@ -11,5 +11,5 @@ def test_areas_of_every_plan_are_measured_along_the_planned_segment(monkeypatch)
     monkeypatch.setattr(plans, "read_summary", lambda folder: None)
     monkeypatch.setattr(plans, "procedure", lambda *given: {"segment": own, "devices": {}, "procedure": ["shorter"]})
     case = types.SimpleNamespace(scene={"segment": planned, "procedure": ["planned"], "wall": {}}, anatomy=lambda: None)
-    scene = plans.scene_of(case, {}, [])
+    scene = plans.scene_with_steps(case, {}, [])
     assert scene["segment"] == planned and scene["procedure"] == ["shorter"] and "wall" in scene

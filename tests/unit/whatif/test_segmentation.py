@@ -20,26 +20,26 @@ def radii(lumen):
 
 def test_all_radii_move_alike_but_for_those_that_a_stent_holds(vessel):
     lumen = vessel.lumen("pre")
-    assert radii(segmentation.at_radius(lumen, -0.1)) == pytest.approx(0.9)
-    found, s = segmentation.at_radius(lumen, 0.1, [("main", 10, 18), ("main", 20, 28)]), lumen[1]["s_mm"]
+    assert radii(segmentation.with_radius_change(lumen, -0.1)) == pytest.approx(0.9)
+    found, s = segmentation.with_radius_change(lumen, 0.1, [("main", 10, 18), ("main", 20, 28)]), lumen[1]["s_mm"]
     assert radii(found) == pytest.approx(np.where((s >= 10) & (s <= 18) | (s >= 20) & (s <= 28), 1.0, 1.1))
-    assert radii(segmentation.at_radius(lumen, 0.1, [("side1", 10.0, 28.0)])) == pytest.approx(1.1)
+    assert radii(segmentation.with_radius_change(lumen, 0.1, [("side1", 10.0, 28.0)])) == pytest.approx(1.1)
     assert radii(lumen) == pytest.approx(1.0), "the lumen itself is left alone"
 
 
 def test_only_stents_hold_and_where_they_lie(vessel):
-    assert segmentation.stented(vessel.scene) == [("main", 10.0, 28.0)]
-    moved = sensitivity.varied(vessel.scene, {"placement": 2.0})
-    assert segmentation.stented(moved) == [("main", 12.0, 30.0)]
+    assert segmentation.stented_spans(vessel.scene) == [("main", 10.0, 28.0)]
+    moved = sensitivity.scene_with_inputs(vessel.scene, {"placement": 2.0})
+    assert segmentation.stented_spans(moved) == [("main", 12.0, 30.0)]
     vessel.scene["devices"]["des"]["kind"] = "balloon"
-    assert segmentation.stented(vessel.scene) == []
+    assert segmentation.stented_spans(vessel.scene) == []
 
 
 def test_a_varied_procedure_holds_its_own_stretch(vessel, tmp_path):
     """In one lumen the image's error counts more where no stent holds a stretch of it."""
     file = tmp_path / "case.yaml"
     file.write_text(CASE)
-    answers, lumen, off = sensitivity.Answers(vessel, file), vessel.lumen("vci"), {segmentation.NAME: -0.02}
+    answers, lumen, off = sensitivity.VariedFlow(vessel, file), vessel.lumen("vci"), {segmentation.RADIUS_INPUT: -0.02}
     balloons = {"devices": {}, "procedure": []}
     losses = [answers.loss("vci", off, (scene, lumen)) for scene in (vessel.scene, balloons)]
     assert losses[0] == answers.loss("vci", off) and losses[1] > 1.01 * losses[0]
@@ -47,21 +47,21 @@ def test_a_varied_procedure_holds_its_own_stretch(vessel, tmp_path):
 
 def test_a_lumen_that_would_vanish_is_refused(vessel):
     with pytest.raises(InputError, match="no lumen is left"):
-        segmentation.at_radius(vessel.lumen("pre"), -1.0)
+        segmentation.with_radius_change(vessel.lumen("pre"), -1.0)
 
 
 def test_the_true_radius_is_the_found_one_minus_the_error():
     one = segmentation.radius_input()
-    assert 0.5 * (one.low + one.high) == pytest.approx(-segmentation.BIAS_MM)
-    assert one.high - one.low == pytest.approx(2 * segmentation.SD_MM) and one.low < 0 < one.high
+    assert 0.5 * (one.low + one.high) == pytest.approx(-segmentation.RADIUS_BIAS_MM)
+    assert one.high - one.low == pytest.approx(2 * segmentation.RADIUS_SD_MM) and one.low < 0 < one.high
 
 
 def test_a_narrower_lumen_has_a_lower_ffr_as_poiseuille_says(vessel, tmp_path):
     file = tmp_path / "case.yaml"
     file.write_text(CASE)
-    answers = sensitivity.Answers(vessel, file)
-    assert segmentation.NAME in [one.name for one in answers.inputs]
-    planned, narrow = answers.of_flow({}), answers.of_flow({segmentation.NAME: -0.02})
+    answers = sensitivity.VariedFlow(vessel, file)
+    assert segmentation.RADIUS_INPUT in [one.name for one in answers.inputs]
+    planned, narrow = answers.ffr_of_states({}), answers.ffr_of_states({segmentation.RADIUS_INPUT: -0.02})
     grown = {state: (1 - narrow[state, "ffr"]) / (1 - planned[state, "ffr"]) for state in ("pre", "vci")}
     # the loss grows with 1 / r^4; the flow that it holds back takes a little of that
     assert 1.04 < grown["pre"] < 0.98**-4

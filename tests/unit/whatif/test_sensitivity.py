@@ -20,7 +20,7 @@ SCENE = {
 
 
 def flow_at(vessel, values):
-    document = flow_inputs.boundary_at(vessel, PATIENT, None, values)
+    document = flow_inputs.boundary_with_inputs(vessel, PATIENT, None, values)
     return document["q_hyperaemic_m3_per_s"] / vessel.boundary["q_hyperaemic_m3_per_s"], document
 
 
@@ -46,32 +46,35 @@ def test_blood_pressure_moves_both_pressures(vessel):
 
 
 def test_the_inputs_of_a_patient(vessel):
-    names = {one.name: one for one in flow_inputs.inputs_of(PATIENT, vessel.flow, 2)}
+    names = {one.name: one for one in flow_inputs.uncertain_inputs(PATIENT, vessel.flow_settings, 2)}
     assert set(names) == {"blood_pressure", "mass", "hyperaemia", "territory", "split_exponent", "outlet_diameter"}
     assert all(one.low < one.planned < one.high for one in names.values())
     # 3.69 mL/min/g of 150 g, 7 or 5 of 17 segments, over the 190.2 mL/min of the published law
     assert names["territory"].high == pytest.approx(100 * (3.69 * 150 * 7 / 17 / 190.2 - 1), abs=0.1)
     assert names["territory"].low == pytest.approx(100 * (3.69 * 150 * 5 / 17 / 190.2 - 1), abs=0.1)
-    alone = {one.name for one in flow_inputs.inputs_of(PATIENT, vessel.flow, 1)}
+    alone = {one.name for one in flow_inputs.uncertain_inputs(PATIENT, vessel.flow_settings, 1)}
     assert alone == {"blood_pressure", "mass", "hyperaemia", "territory"}, "one outlet has nothing to split"
 
 
 def test_a_measured_flow_leaves_its_own_error_alone(vessel):
     measured = PATIENT | {"hyperaemic_inflow_ml_per_min": 60.0}
-    assert [one.name for one in flow_inputs.inputs_of(measured, vessel.flow, 1)] == ["blood_pressure", "flow"]
-    document = flow_inputs.boundary_at(vessel, measured, None, {"flow": 10.0})
+    assert [one.name for one in flow_inputs.uncertain_inputs(measured, vessel.flow_settings, 1)] == [
+        "blood_pressure",
+        "flow",
+    ]
+    document = flow_inputs.boundary_with_inputs(vessel, measured, None, {"flow": 10.0})
     assert document["q_hyperaemic_m3_per_s"] == pytest.approx(1e-6 * 66 / 60)
 
 
 def test_a_flow_that_does_not_pass_has_no_answer(vessel, capsys):
-    answers = sensitivity.Answers.__new__(sensitivity.Answers)
+    answers = sensitivity.VariedFlow.__new__(sensitivity.VariedFlow)
     answers.case, answers.measured = vessel, None
     answers.patient = PATIENT | {"hyperaemic_inflow_ml_per_min": 3000.0}
     answers.lumens, answers.planned = {"pre": vessel.lumen("pre")}, {"pre": 0.1}
-    assert answers.of_flow({"flow": 10.0}) == {}
+    assert answers.ffr_of_states({"flow": 10.0}) == {}
     assert "does not let the measured flow pass" in capsys.readouterr().out
     with pytest.raises(ComputationError, match="no answer as planned"):
-        answers.of_flow({})
+        answers.ffr_of_states({})
 
 
 def test_more_flow_lowers_ffr_before_more_than_after(vessel, tmp_path):
@@ -80,8 +83,8 @@ def test_more_flow_lowers_ffr_before_more_than_after(vessel, tmp_path):
         "kind: surface\ndescription: x\npatient: {lvm_g: 150, sbp_mmhg: 120, dbp_mmhg: 80}\n"
         "lumen: {path: a.stl, units: mm}\nplan: auto\n"
     )
-    answers = sensitivity.Answers(vessel, file)
-    planned, more = answers.of_flow({}), answers.of_flow({"mass": 20.0})
+    answers = sensitivity.VariedFlow(vessel, file)
+    planned, more = answers.ffr_of_states({}), answers.ffr_of_states({"mass": 20.0})
     assert planned == {("pre", "ffr"): 0.70, ("vci", "ffr"): 0.90}
     drop = {state: planned[state, "ffr"] - more[state, "ffr"] for state in ("pre", "vci")}
     # a tube loses in proportion to its flow, which the tube itself holds back
@@ -89,7 +92,7 @@ def test_more_flow_lowers_ffr_before_more_than_after(vessel, tmp_path):
 
 
 def test_a_scene_is_varied_by_each_input():
-    other = sensitivity.varied(SCENE, {"placement": 2.0, "wall_stiffness": 0.5, "plaque_stiffness": 2.0})
+    other = sensitivity.scene_with_inputs(SCENE, {"placement": 2.0, "wall_stiffness": 0.5, "plaque_stiffness": 2.0})
     assert other["procedure"][0]["devices"][0] == {"device": "stent", "pressure_bar": 10.0, "centre_s_mm": 21.0}
     assert other["segment"] == {"branch": "main", "s_start_mm": 12.0, "s_end_mm": 30.0}
     assert other["wall"] == {"youngs_modulus_mpa": 0.4, "plaque": {"fibrous": {"youngs_modulus_mpa": 4.0}}}
@@ -98,5 +101,5 @@ def test_a_scene_is_varied_by_each_input():
 
 @pytest.mark.parametrize("percent, pressure", [(-20.0, 8.0), (20.0, 12.0), (100.0, 16.0)])
 def test_pressures_end_with_the_balloons_chart(percent, pressure):
-    other = sensitivity.varied(SCENE, {"balloon_pressure": percent})
+    other = sensitivity.scene_with_inputs(SCENE, {"balloon_pressure": percent})
     assert np.isclose(other["procedure"][0]["devices"][0]["pressure_bar"], pressure)

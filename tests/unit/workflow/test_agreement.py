@@ -32,7 +32,7 @@ def written(tmp_path, monkeypatch):
         study = manifest("Debian GNU/Linux 13 (trixie)", {"gmsh": "4.13", "numpy": "1"})
         study["cases"]["one"]["same"]["anatomy"]["lumen.vtp"] = "other"
         change(study["cases"]["one"]["numbers"])
-        monkeypatch.setattr(agreement, "manifest_of", lambda folder: copy.deepcopy(study))
+        monkeypatch.setattr(agreement, "build_manifest", lambda folder: copy.deepcopy(study))
         out, error = tmp_path / "page.md", None
         try:
             agreement.write_agreement(shipped, tmp_path, out)
@@ -56,7 +56,10 @@ def test_the_page_of_the_documentation_has_the_title_of_its_manifest(repo_root):
     shipped = json.loads((repo_root / "config" / "manifests" / "quick.json").read_text())
     title = (repo_root / "docs" / "debian13.md").read_text().splitlines()[0]
     found = manifest("Debian GNU/Linux 13 (trixie)", {})
-    assert agreement.page("quick", shipped, found, agreement.compared(shipped, found)).splitlines()[0] == title
+    assert (
+        agreement.markdown_page("quick", shipped, found, agreement.compare_numbers(shipped, found)).splitlines()[0]
+        == title
+    )
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from workflow.__main__ import main
 from workflow.configuration import Configuration
 
 # Finishes every patient it is asked for but number 2, whose exit code it takes.
-FAKE = """#!/bin/sh
+FINISHING_SNAKEMAKE = """#!/bin/sh
 code=0
 for word; do case "$word" in
   *000002/metrics.json) mkdir -p "${word%/metrics.json}/flow"; code=1;;
@@ -25,12 +25,12 @@ exit $code
 
 
 # Ends at once, as in a locked folder.
-LOCKED = """#!/bin/sh
+LOCKED_SNAKEMAKE = """#!/bin/sh
 echo 'LockException: Directory cannot be locked.'
 exit 1
 """
 # Every patient fails at its first step, as workflow/run.sh marks it.
-FAILING = """#!/bin/sh
+FAILING_SNAKEMAKE = """#!/bin/sh
 for word; do case "$word" in *metrics.json)
   mkdir -p "${word%/metrics.json}/logs"
   echo 'error: too narrow' > "${word%/metrics.json}/logs/generate.log"
@@ -49,7 +49,7 @@ def stand_in(tmp_path, monkeypatch):
         program.write_text(text)
         program.chmod(0o755)
         monkeypatch.setattr(cohort, "SNAKEMAKE", str(program))
-        monkeypatch.setattr(cohort, "SHARD", 2)
+        monkeypatch.setattr(cohort, "SHARD_SIZE", 2)
 
     return use
 
@@ -57,7 +57,7 @@ def stand_in(tmp_path, monkeypatch):
 @pytest.fixture
 def fake(stand_in):
     """A stand-in that finishes all patients but one."""
-    stand_in(FAKE)
+    stand_in(FINISHING_SNAKEMAKE)
 
 
 @pytest.fixture
@@ -78,53 +78,53 @@ def cases(out):
 
 
 def test_shards_are_studies_of_their_own_with_cheap_settings(tmp_path, monkeypatch):
-    monkeypatch.setattr(cohort, "SHARD", 2)
-    shards = cohort.prepare(3, 1, tmp_path / "out")
+    monkeypatch.setattr(cohort, "SHARD_SIZE", 2)
+    shards = cohort.draw_shards(3, 1, tmp_path / "out")
     assert [names for _, names in shards] == [["seed1_000001", "seed1_000002"], ["seed1_000003"]]
     for place, names in shards:
         study = Configuration(place)
-        assert study.selected("shard") == names
+        assert study.selected_cases("shard") == names
         assert study.settings(names[0])["flow"]["model"] == "axisymmetric"
         assert not study.settings(names[0])["ct"]["enabled"]
-    full, names = cohort.prepare(1, 1, tmp_path / "full", full=True)[0]
+    full, names = cohort.draw_shards(1, 1, tmp_path / "full", full=True)[0]
     assert Configuration(full).settings(names[0])["flow"]["model"] == "3d"
 
 
 def test_patients_stay_when_the_cohort_grows(tmp_path, monkeypatch):
-    monkeypatch.setattr(cohort, "SHARD", 2)
+    monkeypatch.setattr(cohort, "SHARD_SIZE", 2)
     out = tmp_path / "out"
-    cohort.prepare(1, 1, out)
+    cohort.draw_shards(1, 1, out)
     before = cases(out)
-    cohort.prepare(3, 1, out)
+    cohort.draw_shards(3, 1, out)
     assert len(cases(out)) == 3 and before.items() <= cases(out).items()
 
 
 @pytest.mark.parametrize("count, seed", [(0, 1), (1, -1)])
 def test_numbers_out_of_range_are_refused(tmp_path, count, seed):
     with pytest.raises(InputError, match="out of range"):
-        cohort.prepare(count, seed, tmp_path / "out")
+        cohort.draw_shards(count, seed, tmp_path / "out")
 
 
 def test_a_folder_of_something_else_is_refused(tmp_path):
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(InputError, match="folder of something else"):
-        cohort.prepare(1, 1, tmp_path)
+        cohort.draw_shards(1, 1, tmp_path)
 
 
 def test_a_patient_that_fails_stops_no_other_and_meshes_are_dropped(tmp_path, fake):
-    shards = cohort.prepare(3, 1, tmp_path / "out")
+    shards = cohort.draw_shards(3, 1, tmp_path / "out")
     results = tmp_path / "results"
-    rows = cohort.run(shards, 1, results=results)
+    rows = cohort.run_shards(shards, 1, results=results)
     assert [(row["patients"], row["finished"], row["exit_code"]) for row in rows] == [(2, 1, 1), (1, 1, 0)]
     assert [round(row["made_mb"]) for row in rows] == [2, 2]
     assert sum(row["kept_mb"] for row in rows) < 0.001
     assert (results / "cases" / "seed1_000001" / "flow" / "ffr.json").exists()
-    projected = cohort.projected(tmp_path / "out", 2)
+    projected = cohort.projected_costs(tmp_path / "out", 2)
     assert [row["patients"] for row in projected] == [2, 1000, 100_000]
 
 
 def test_a_shard_in_which_nothing_ran_is_an_error(stand_in, command, capsys):
-    stand_in(LOCKED)
+    stand_in(LOCKED_SNAKEMAKE)
     with pytest.raises(SystemExit) as stop:
         command(3)
     said = capsys.readouterr()
@@ -133,29 +133,29 @@ def test_a_shard_in_which_nothing_ran_is_an_error(stand_in, command, capsys):
 
 
 def test_a_locked_folder_is_an_error_also_beside_patients_of_an_earlier_run(stand_in, command, tmp_path, capsys):
-    stand_in(FAKE)
+    stand_in(FINISHING_SNAKEMAKE)
     command(2)
     for metrics in tmp_path.rglob("metrics.json"):
         os.utime(metrics, (1000, 1000))
-    stand_in(LOCKED)
+    stand_in(LOCKED_SNAKEMAKE)
     with pytest.raises(SystemExit):
         command(2)
     assert "finished 1 of 2" in capsys.readouterr().out
 
 
 def test_patients_that_fail_by_steps_of_their_own_are_no_error(stand_in, command, tmp_path, capsys):
-    stand_in(FAILING)
+    stand_in(FAILING_SNAKEMAKE)
     command(3)
     assert "finished 0 of 3" in capsys.readouterr().out
     for mark in tmp_path.rglob("*.failed"):  # left by an earlier run
         os.utime(mark, (1000, 1000))
-    stand_in(LOCKED)
+    stand_in(LOCKED_SNAKEMAKE)
     with pytest.raises(SystemExit):
         command(3)
 
 
 def test_a_plan_that_fails_is_told_as_before(stand_in, command, capsys):
-    stand_in(LOCKED)
+    stand_in(LOCKED_SNAKEMAKE)
     with pytest.raises(SystemExit) as stop:
         command(1, "--dry-run")
     assert stop.value.code == 2 and "cannot be planned" in capsys.readouterr().err
@@ -166,7 +166,7 @@ def test_projection_counts_all_runs_of_a_shard(tmp_path):
     place.mkdir(parents=True)
     head = "shard,patients,finished,wall_s,cpu_s,made_mb,kept_mb\n"
     (place / "cost.csv").write_text(head + "0001,2,1,9,100,5,1\n0001,2,2,9,260,6,4\n")
-    assert cohort.projected(tmp_path, 4)[1] == {
+    assert cohort.projected_costs(tmp_path, 4)[1] == {
         "patients": 1000,
         "core_hours": 50.0,
         "wall_hours": 12.5,

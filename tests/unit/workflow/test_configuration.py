@@ -24,10 +24,10 @@ def folder(repo_root, tmp_path):
     return tmp_path / "config"
 
 
-SECOND = (
+SECOND_DEVICE = (
     "\n      - {device: non_compliant, diameter_mm: 2.75, length_mm: 15, branch: main, lesion: 1, pressure_bar: 14}"
 )
-TWO = "pressure_bar: 16}" + SECOND
+TWO_DEVICES = "pressure_bar: 16}" + SECOND_DEVICE
 
 
 def edit(file, old, new):
@@ -51,8 +51,8 @@ def edit(file, old, new):
         (CASE, "length_mm: 18", "length_mm: 16", ["plan[2].devices[1].length_mm", "16", "15, 18"]),
         (CASE, "pressure_bar: 16", "pressure_bar: 26", ["plan[3].devices[1].pressure_bar", "26", "at most 20"]),
         (CASE, "action: postdilatation", "action: kissing", ["plan[3].devices", "kissing inflates two balloons"]),
-        (CASE, "pressure_bar: 16}", TWO, ["plan[3].devices", "only kissing inflates two devices at once"]),
-        (CASE, "pressure_bar: 16}", TWO + SECOND, ["plan[3].devices", "at most 2"]),
+        (CASE, "pressure_bar: 16}", TWO_DEVICES, ["plan[3].devices", "only kissing inflates two devices at once"]),
+        (CASE, "pressure_bar: 16}", TWO_DEVICES + SECOND_DEVICE, ["plan[3].devices", "at most 2"]),
         (DEVICE, "nominal_pressure_bar: 8", "nominal_pressure_bar: 7", ["chart", "100 at 7 bar"]),
         (DEVICE, "shoulder_mm: 2.0", "shoulder_mm: .nan", ["shoulder_mm", "not finite"]),
         (DEVICE, "kind: balloon", "kind: ballon", ["kind", "ballon", "one of balloon, stent"]),
@@ -75,9 +75,9 @@ def test_refused(folder, file, old, new, expected):
 
 def test_shipped_configuration_is_valid(folder):
     found = Configuration(folder)
-    assert found.selected("quick") == ["quick_focal", "quick_branch"]
-    assert found.selected("quick", "lad01, rca01") == ["lad01", "rca01"]
-    assert found.selected("quick", "rca01 lad01 rca01") == ["rca01", "lad01"], "no case counts twice"
+    assert found.selected_cases("quick") == ["quick_focal", "quick_branch"]
+    assert found.selected_cases("quick", "lad01, rca01") == ["lad01", "rca01"]
+    assert found.selected_cases("quick", "rca01 lad01 rca01") == ["rca01", "lad01"], "no case counts twice"
 
 
 def test_unusual_values_of_a_patient_are_said(folder, capsys):
@@ -107,9 +107,9 @@ def test_make_help_lists_the_shipped_cohorts(folder, repo_root):
 def test_unknown_cohort_and_case(folder):
     found = Configuration(folder)
     with pytest.raises(InputError, match="one of nine, three, quick"):
-        found.selected("small")
+        found.selected_cases("small")
     with pytest.raises(InputError, match="lad99"):
-        found.selected("quick", "lad99")
+        found.selected_cases("quick", "lad99")
 
 
 @pytest.mark.parametrize("name", ["cases/My case.yaml", "cases/Mine.yaml", "cases/mine.yml", "devices/mine.yml"])
@@ -121,9 +121,9 @@ def test_files_that_would_not_be_found(folder, name):
 
 def test_surface_is_looked_for_in_the_data_folder(folder, tmp_path):
     with pytest.raises(InputError, match="VCI_DATA_DIR"):
-        Configuration(folder, tmp_path).selected("real", "real_artery")
+        Configuration(folder, tmp_path).selected_cases("real", "real_artery")
     (tmp_path / "dfemtoolz_case4_artery.stl").write_text("solid")
-    assert Configuration(folder, tmp_path).selected("real", "real_artery") == ["real_artery"]
+    assert Configuration(folder, tmp_path).selected_cases("real", "real_artery") == ["real_artery"]
     assert Configuration(folder, tmp_path).lumen_file("real_artery") == str(tmp_path / "dfemtoolz_case4_artery.stl")
 
 
@@ -131,12 +131,12 @@ def test_contour_tables_are_looked_for_as_surfaces_are(folder, tmp_path):
     text = (folder / "cases/ivus_plaque.yaml").read_text()
     (folder / "cases/own.yaml").write_text(text.replace("config/patients/ivus_plaque/", "data/own/"))
     with pytest.raises(InputError, match="lumen.contours.lumen"):
-        Configuration(folder, tmp_path).selected("real", "own")
+        Configuration(folder, tmp_path).selected_cases("real", "own")
     (tmp_path / "own").mkdir()
     for name in ("lumen", "outer_wall", "calcium", "branches"):
         (tmp_path / "own" / f"{name}.csv").write_text("1,2,3,4")
     found = Configuration(folder, tmp_path)
-    assert found.selected("real", "own") == ["own"]
+    assert found.selected_cases("real", "own") == ["own"]
     assert found.contour_files("own")["calcium"] == str(tmp_path / "own" / "calcium.csv")
     assert found.contour_files("real_artery") == {}
 
@@ -165,14 +165,14 @@ lumen:
     inputs = Inputs(Configuration(folder, tmp_path))
     wildcards = SimpleNamespace(case="own")
     command = shlex.split(inputs.contour_options(wildcards))
-    assert set(inputs.of_contours()) == {"ivus_plaque", "ivus_stent", "own"}
-    assert inputs.of_contours("post") == ["ivus_stent"]
+    assert set(inputs.cases_from_contours()) == {"ivus_plaque", "ivus_stent", "own"}
+    assert inputs.cases_from_contours("post") == ["ivus_stent"]
     options = anatomy_parser().parse_args(["contours", *command, "--out", "x"])
     assert str(options.lumen) == str(tmp_path / "lumen.csv") and options.units == "cm" and options.z_from == "proximal"
     assert options.z_range == [1, 20] and options.drop_frame == [4, 7] and options.healthy_wall == "0.2"
     assert options.line == 2 and options.centreline_units == "m" and options.mirrored
     assert options.landmark_point == [[-1, 2, 3]] and options.landmarks == tmp_path / "marks.csv"
-    assert inputs.lumen(wildcards).endswith("own/source/lumen.vtp")
+    assert inputs.lumen_file(wildcards).endswith("own/source/lumen.vtp")
     assert inputs.lumen_options(wildcards) == "--units mm --extend-outlets 4"
 
 
@@ -217,7 +217,7 @@ lumen:
 """
     (folder / "cases/own.yaml").write_text(case)
     with pytest.raises(InputError, match="lumen.ct.path"):
-        Configuration(folder, tmp_path).selected("real", "own")
+        Configuration(folder, tmp_path).selected_cases("real", "own")
     (tmp_path / "series").mkdir()
     inputs = Inputs(Configuration(folder, tmp_path))
     wildcards = SimpleNamespace(case="own")
@@ -225,11 +225,11 @@ lumen:
     assert options.volume == tmp_path / "series" and options.series == "1.2.3"
     assert options.inlet == [-1, 2, 3] and options.outlet == [[4, 5, -6], [7, 8, 9]]
     assert not options.stented
-    assert inputs.of_ct() == ["own"] and inputs.lumen(wildcards).endswith("own/source/lumen.vtp")
+    assert inputs.cases_from_ct() == ["own"] and inputs.lumen_file(wildcards).endswith("own/source/lumen.vtp")
     assert inputs.lumen_options(wildcards) == "--units mm --inlet -1,2,3 --outlet 4,5,-6 --outlet 7,8,9"
-    assert inputs.segmentations(wildcards) == ["results/cases/own/source/segmentation.json"]
+    assert inputs.segmentation_files(wildcards) == ["results/cases/own/source/segmentation.json"]
     wildcards.case = "ivus_plaque"
-    assert inputs.segmentations(wildcards) == ["results/cases/ivus_plaque/source/contours.json"]
+    assert inputs.segmentation_files(wildcards) == ["results/cases/ivus_plaque/source/contours.json"]
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import pytest
 
 from common.errors import InputError
 from workflow.__main__ import main
-from workflow.failed import cases_of_failed_arms, failed_steps, message, without_failed
+from workflow.failed import cases_of_failed_arms, failed_steps, error_message, without_failed
 
 ERROR = "error: too narrow\n  where:  main\n  value:  0.2 mm\n  remedy: another plan"
 
@@ -58,8 +58,8 @@ def test_failures_of_earlier_runs_do_not_count(step, tmp_path):
 
 
 def test_the_last_error_of_a_log_counts_and_ends_it():
-    assert message("error: first\n  remedy: x\nmore\nerror: last\n  remedy: y\n") == "error: last\n  remedy: y"
-    assert message("") == ""
+    assert error_message("error: first\n  remedy: x\nmore\nerror: last\n  remedy: y\n") == "error: last\n  remedy: y"
+    assert error_message("") == ""
 
 
 def test_the_study_is_made_of_the_other_cases(step, tmp_path, capsys):

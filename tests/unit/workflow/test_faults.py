@@ -16,9 +16,9 @@ def run(repo_root, monkeypatch):
 
 def test_what_is_missing_is_not_half_made_but_what_is_cut_off_is(run):
     right = {"vci/lumen.vtp": "a", "vci/deployment.json": "b"}
-    assert run.faults.wrong({"vci/lumen.vtp": "a"}, right) == []
-    assert run.faults.wrong({"vci/lumen.vtp": "other"}, right) == ["vci/lumen.vtp"]
-    assert run.faults.wrong({"vci/lumen.vtp": "a", "vci/lumen.tmp": "c"}, right) == ["vci/lumen.tmp"]
+    assert run.faults.differing_products({"vci/lumen.vtp": "a"}, right) == []
+    assert run.faults.differing_products({"vci/lumen.vtp": "other"}, right) == ["vci/lumen.vtp"]
+    assert run.faults.differing_products({"vci/lumen.vtp": "a", "vci/lumen.tmp": "c"}, right) == ["vci/lumen.tmp"]
 
 
 def test_a_json_file_that_was_cut_off_is_told(run, tmp_path):
@@ -41,8 +41,8 @@ def test_page_has_a_row_a_fault_and_sums_the_kills(run, tmp_path):
         {**ended, "name": "full_disk", "fault": "the disk is full", "half_made": [], "differ": ["c"]},
         {"name": "read_only", "fault": "read-only", "not_tried": "mounting needs root"},
     ]
-    run.write(tmp_path / "faults.csv", rows)
-    page = run.summary(run.read(tmp_path / "faults.csv"), 1)
+    run.write_table(tmp_path / "faults.csv", rows)
+    page = run.faults_page(run.read_table(tmp_path / "faults.csv"), 1)
     assert "| SIGKILL at 2 random moments | -9 | – | 2 | to the end | 0 |" in page
     assert "| the disk is full | 1 | `No space left` | 0 | to the end | 1 |" in page
     assert "| read-only | not tried: mounting needs root | | | | |" in page

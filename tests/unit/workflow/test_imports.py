@@ -36,10 +36,10 @@ def part(tmp_path, monkeypatch):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
     monkeypatch.setattr(imports, "ROOT", tmp_path)
-    for cached in (imports._file, imports._imported):
+    for cached in (imports._module_file, imports._imported_modules):
         cached.cache_clear()
     yield
-    for cached in (imports._file, imports._imported):
+    for cached in (imports._module_file, imports._imported_modules):
         cached.cache_clear()
 
 
@@ -87,7 +87,7 @@ def test_a_flow_benchmark_agrees_with_what_python_loads(repo_root, script):
     """What the script loads, and what it would where it solves the reference."""
     folder = "tests/verification/flow"
     program = f"import sys; sys.path[:0] = ['{folder}']; import {script}, axisymmetric"
-    loaded = _loaded(repo_root, program)
+    loaded = _imported_files(repo_root, program)
     found = imports.flow_benchmark_code(script)
     assert f"{folder}/axisymmetric.py" in loaded and loaded <= set(found)
 
@@ -99,7 +99,7 @@ def test_a_solve_has_what_its_function_imports(repo_root):
     found = set(imports.command_code("flow", "solve_command"))
     assert (
         {"flow/reduced/extended.py", "flow/reduced/coupled.py", "flow/reduced/axisymmetric.py"}
-        <= _loaded(repo_root, program)
+        <= _imported_files(repo_root, program)
         <= found
     )
     assert "flow/reduced/ranking.py" not in found
@@ -110,7 +110,7 @@ def test_unknown_module_is_an_error(part):
         imports.code("part", "part.none")
 
 
-def _loaded(repo_root, program):
+def _imported_files(repo_root, program):
     """Files of the repository, relative to it, that a program's imports load."""
     program += (
         "\nimport sys, json\n"
@@ -126,7 +126,7 @@ def _loaded(repo_root, program):
 )
 def test_agrees_with_what_python_loads(repo_root, part_name, module):
     """Everything of the repository that importing the modules loads is in the closure."""
-    loaded = _loaded(repo_root, f"import {module}, {part_name}.__main__")
+    loaded = _imported_files(repo_root, f"import {module}, {part_name}.__main__")
     assert loaded and loaded <= set(imports.code(part_name, module))
 
 
@@ -147,4 +147,4 @@ class C:
             case 1: import b10
 x = lambda: (1 if a else 2)
 """
-    assert imports._named(imports._statements(ast.parse(text)), "") == {f"b{k}" for k in range(1, 11)}
+    assert imports._names_in_imports(imports._all_statements(ast.parse(text)), "") == {f"b{k}" for k in range(1, 11)}

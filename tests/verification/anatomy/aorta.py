@@ -11,8 +11,8 @@ from vtk.util.numpy_support import vtk_to_numpy
 FILES = {"left": "lca_cl.vtp", "right": "rca_cl.vtp"}
 AORTA_MM = 20.0  # of both centrelines lie in the ascending aorta, the rest runs towards its wall
 ROOT_MM = 20.0  # below that the aorta is carried on straight
-REACH = 2.0  # radii round a coronary's end within which it is cut flat
-AORTAS_REACH = 1.06  # round the aorta's: the coronaries run past it
+CUT_REACH_RADII = 2.0  # radii round a coronary's end within which it is cut flat
+AORTA_CUT_REACH = 1.06  # round the aorta's: the coronaries run past it
 
 
 def lines(folder, tree):
@@ -27,7 +27,7 @@ def lines(folder, tree):
     return [(points[p], radii[p]) for p in places]
 
 
-def along(points):
+def arc_lengths(points):
     """Arc length (n,) from the first point."""
     return np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
@@ -49,20 +49,20 @@ class Model:
         """One tree from `start_mm` of arc length on; `change(s, r)` gives other radii, larger balls are left out."""
         self.outlets[tree] = []
         for points, radii in lines(folder, tree):
-            points, s = smoothed(points), along(points)
+            points, s = smoothed(points), arc_lengths(points)
             radii = radii if change is None else change(s, radii)
             chosen = (s >= start_mm) & (radii <= most_radius)
             self.balls += list(zip(points[chosen], radii[chosen]))
             end, normal = points[-1], points[-1] - points[-4]
             normal /= np.linalg.norm(normal)
             self.balls.append((end + 0.5 * radii[-1] * normal, radii[-1]))
-            self.ends.append((end, normal, radii[-1], REACH))
+            self.ends.append((end, normal, radii[-1], CUT_REACH_RADII))
             self.outlets[tree].append(end)
 
     def add_aorta(self, folder, scale=1.0):
         """The ascending aorta and, straight on, its root; scale: of its radii."""
         points, radii = lines(folder, "left")[0]
-        s = along(points)
+        s = arc_lengths(points)
         points, radii = points[s < AORTA_MM], scale * radii[s < AORTA_MM]
         down = points[-1] - points[0]
         down /= np.linalg.norm(down)
@@ -70,7 +70,7 @@ class Model:
         end = root[-1]
         self.balls += list(zip(points, radii)) + [(p, radii[-1]) for p in root]
         for centre, normal, radius in ((points[0], -down, radii[0]), (end, down, radii[-1])):
-            self.ends.append((centre, normal, radius, AORTAS_REACH))
+            self.ends.append((centre, normal, radius, AORTA_CUT_REACH))
             self.balls.append((centre + 0.02 * radius * normal, radius))
         self.arch, self.root = points[0], end
 

@@ -21,7 +21,7 @@ import sys
 import campaign_truth
 import lofts
 import surfaces
-from campaign_styles import STYLES, written
+from campaign_styles import STYLES, write_style_file
 from drawn_patient import Patient
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -65,7 +65,7 @@ def draw(count, seed, folder):
     return names
 
 
-def picture(lumen, surface, folder):
+def draw_found_ends(lumen, surface, folder):
     """Draws what was taken for ends of a surface that failed, where it got as far as that."""
     shape = surface
     if surface.suffix == ".stl":
@@ -84,7 +84,7 @@ def _read_stl(path):
     return reader.GetOutput()
 
 
-def go_through(row, case, folder, build):
+def run_further_steps(row, case, folder, build):
     """Takes a surface whose anatomy is right through the further steps; the first that fails is the row's outcome."""
     for step, command in campaign_steps.steps_of(case, folder, build):
         code, reason, seconds = run(command)
@@ -109,16 +109,16 @@ def real_row(surface, ends, out, build, through):
         if row["ends"] != ends:
             row.update(outcome="wrong", reason=f"{row['ends']} ends, not {ends}")
         elif through:
-            go_through(row, folder / "case.yaml", folder, build)
+            run_further_steps(row, folder / "case.yaml", folder, build)
     return row
 
 
-def keep(row, surface, out, lumen):
+def keep_failed_surface(row, surface, out, lumen):
     """Leaves the surface of a row that is not right in out/kept, with a picture."""
     kept = out / "kept" / f"{row['patient']} {row['style']}".replace(" ", "_")
     shutil.rmtree(kept, ignore_errors=True)
     shutil.copytree(out / "work", kept)
-    picture(lumen, surface, kept)
+    draw_found_ends(lumen, surface, kept)
 
 
 def write_tables(rows, out):
@@ -159,7 +159,7 @@ def main():
 
     def done(row, surface):
         if row["outcome"] != "right":
-            keep(row, surface, out, lumen)
+            keep_failed_surface(row, surface, out, lumen)
         rows.append(row)
         print(*(row[key] for key in COLUMNS), sep="  ", flush=True)
         write_tables(rows, out)
@@ -176,10 +176,10 @@ def main():
             folder.mkdir()
             try:
                 made = STYLES[style](patient)
-            except lofts.NotMade as reason:
+            except lofts.UnionFailed as reason:
                 print(f"{name} {style}: not made: {reason}", file=sys.stderr)
                 continue
-            surface = written(made, folder)
+            surface = write_style_file(made, folder)
             code, reason, row["cpu_s"] = run([lumen, "process", surface, "--out", folder / "anatomy"])
             row["reason"] = reason if code else ""
             row["outcome"] = {0: "right", 2: "refused", 3: "failed"}.get(code, "broken")
@@ -190,7 +190,7 @@ def main():
                 if wrong:
                     row.update(outcome="wrong", reason=wrong)
                 elif number < options.through:
-                    go_through(row, out / "cases" / f"{name}.yaml", folder, build)
+                    run_further_steps(row, out / "cases" / f"{name}.yaml", folder, build)
             done(row, surface)
     right = sum(row["outcome"] == "right" for row in rows)
     warned = sum(bool(row["false_stubs"]) for row in rows)

@@ -9,7 +9,7 @@ STUB_MM = 2.0
 VOXEL_MM = 0.35
 
 
-def _opened(patient):
+def _without_caps(patient):
     points, triangles = patient.points, patient.triangles
     middle = points[triangles].mean(axis=1)
     cap = np.zeros(len(triangles), bool)
@@ -21,7 +21,7 @@ def _opened(patient):
 
 STYLES = {
     "as it is": lambda p: (p.points, p.triangles),
-    "open": _opened,
+    "open": _without_caps,
     "loft 8": lambda p: lofts.fused(p.pieces(8, 0.8)),
     "loft 12": lambda p: lofts.fused(p.pieces(12, 0.6)),
     "loft 16": lambda p: lofts.fused(p.pieces(16, 0.5)),
@@ -38,7 +38,7 @@ STYLES = {
 }
 
 
-def written(made, folder):
+def write_style_file(made, folder):
     """The file of a style's surface, or of its labels (nx, ny, nz) with their low corner."""
     if made[0].ndim < 3:
         return surfaces.write(folder / "surface.stl", *made)

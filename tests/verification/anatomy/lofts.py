@@ -83,14 +83,14 @@ def decimated(points, triangles, kept):
     return surfaces.arrays(filter_.GetOutput())
 
 
-class NotMade(Exception):
+class UnionFailed(Exception):
     """VTK's boolean union found no surface."""
 
 
 def fused(pieces):
     """One closed surface round closed ones [(points, triangles), ...], by VTK's boolean union, piece after piece.
 
-    Raises NotMade where the union fails. It may leave tears at the seams, as unions of other programs do.
+    Raises UnionFailed where the union fails. It may leave tears at the seams, as unions of other programs do.
     """
     whole = surfaces.polydata(*pieces[0])
     for piece in pieces[1:]:
@@ -105,7 +105,7 @@ def fused(pieces):
         clean.Update()
         whole = clean.GetOutput()
         if whole.GetNumberOfCells() == 0:
-            raise NotMade("the boolean union is empty")
+            raise UnionFailed("the boolean union is empty")
     return surfaces.arrays(whole)
 
 

@@ -138,7 +138,7 @@ def test_cm_are_read_where_declared_and_asked_for_where_not(check, model, tmp_pa
 
 def test_a_point_at_the_ostium_chooses_and_cuts(check, folder, whole):
     axis, radii = aorta.lines(folder, "right")[0]
-    place = axis[np.searchsorted(aorta.along(axis), 60.0)]
+    place = axis[np.searchsorted(aorta.arc_lengths(axis), 60.0)]
     done = check(whole, "--ostium", point(place))
     ((name, (ostium, _, outlets)),) = trees_of(done).items()
     assert name == "right" and outlets == OUTLETS["right"]
@@ -183,7 +183,7 @@ def test_a_closed_stub_is_refused_unless_all_outlets_are_named(check, folder, tm
     found.add_aorta(folder)
     found.add_tree(folder, "left")
     axis, radii = aorta.lines(folder, "left")[2]
-    at = int(np.searchsorted(aorta.along(axis), 120.0))
+    at = int(np.searchsorted(aorta.arc_lengths(axis), 120.0))
     along = axis[at + 5] - axis[at - 5]
     aside = np.cross(along, [0.3, 0.5, 0.8])
     aside = aside / np.linalg.norm(aside) + lean * along / np.linalg.norm(along)

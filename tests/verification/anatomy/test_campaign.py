@@ -31,8 +31,8 @@ def test_throats_of_one_width_are_one_place(second, alike):
 def test_a_stated_band_is_that_of_the_area():
     """A vessel of which a quarter of the area is lost is 15.5 per cent wider than it seems."""
     lesion = {"mla_error_percent": 25, "diameter_stenosis_percent": 70}
-    assert campaign_truth.stated_band(lesion) == pytest.approx(4.64, abs=0.01)
-    assert campaign_truth.stated_band(lesion | {"mla_error_percent": 0}) == 0
+    assert campaign_truth.stated_error_percent(lesion) == pytest.approx(4.64, abs=0.01)
+    assert campaign_truth.stated_error_percent(lesion | {"mla_error_percent": 0}) == 0
 
 
 def test_false_stubs_are_counted(tmp_path):

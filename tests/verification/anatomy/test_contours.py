@@ -11,7 +11,7 @@ import pytest
 import vtk
 
 from anatomy.contours import run
-from anatomy.measured import read_sections
+from anatomy.lumen_results import read_sections
 from anatomy.planning import outer_wall
 from anatomy.register.run import run as register
 from common import vtp
@@ -63,7 +63,7 @@ def check_surface(folder, document):
     assert document["volume_mm3"] == pytest.approx(trapezoids, rel=0.02)
     region = np.array(surface.GetCellData().GetArray("region_id"))
     assert set(region) == {0, 1, 2}
-    points, triangles = vtp.arrays(surface)
+    points, triangles = vtp.points_and_triangles(surface)
     assert points[triangles[region == 1]][..., 2] == pytest.approx(z.max(), abs=1e-9)
     assert points[triangles[region == 2]][..., 2] == pytest.approx(z.min(), abs=1e-9)
 
@@ -140,7 +140,9 @@ def test_plaque_where_the_wall_was_traced_in_part(binary, tmp_path):
     run.run({"lumen": tmp_path / "lumen.csv", "outer_wall": tmp_path / "wall.csv"}, tmp_path)
     command = [binary("lumen"), "process", tmp_path / "lumen.vtp", "--out", tmp_path / "anatomy"]
     subprocess.run(command, check=True, capture_output=True)
-    found = outer_wall.referenced(read_sections(tmp_path / "anatomy"), tmp_path / "anatomy" / "lumen.vtp")["main"]
+    found = outer_wall.with_plaque_reference(read_sections(tmp_path / "anatomy"), tmp_path / "anatomy" / "lumen.vtp")[
+        "main"
+    ]
     at = np.array([row["z_mm"] for row in found])
     plaque = np.array([np.nan if row["plaque_mm"] is None else row["plaque_mm"] for row in found])
     diameter = np.array([row["reference_diameter_mm"] for row in found])
@@ -202,8 +204,8 @@ def test_a_pull_back_on_a_ct_centreline(repo_root, shared_data, tmp_path):
     centreline = shared_data / "multimoda" / "lca_cl.vtp"
     if not centreline.is_file():
         pytest.skip(f"{centreline} is absent (see SOURCES.md)")
-    laying = {"centreline": centreline, "line": 2, "proximal_s_mm": 60.0}
-    document = run.run(shipped(repo_root), tmp_path, laying=laying)
+    placement_settings = {"centreline": centreline, "line": 2, "proximal_s_mm": 60.0}
+    document = run.run(shipped(repo_root), tmp_path, placement_settings=placement_settings)
     straight = run.run(shipped(repo_root), tmp_path / "straight")
     assert document["placing"]["distal_s_mm"] == pytest.approx(60 + document["length_mm"])
     assert document["volume_mm3"] == pytest.approx(straight["volume_mm3"], rel=0.01)

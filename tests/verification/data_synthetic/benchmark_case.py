@@ -16,7 +16,7 @@ def run(*words):
     subprocess.run([str(word) for word in words], env=environment, check=True)
 
 
-def planned(case, folder):
+def grow_and_plan(case, folder):
     """(plan.json, truth.json) of a synthetic case, made in `folder`."""
     source, anatomy, plan = folder / "source", folder / "anatomy", folder / "vci" / "plan.json"
     run(*PYTHON, "data_synthetic", "generate", case, "--out", source)
@@ -25,7 +25,7 @@ def planned(case, folder):
     return plan, source / "truth.json"
 
 
-def write(path, table):
+def write_csv(path, table):
     """Writes a list of dicts of the same keys as CSV."""
     with open(path, "w", newline="") as handle:
         writer = csv.DictWriter(handle, list(table[0]), lineterminator="\n")

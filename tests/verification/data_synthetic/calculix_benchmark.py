@@ -10,7 +10,7 @@ import json
 import pathlib
 import tempfile
 
-from benchmark_case import PYTHON, ROOT, planned, run, write
+from benchmark_case import PYTHON, ROOT, grow_and_plan, run, write_csv
 
 
 def main():
@@ -24,10 +24,10 @@ def main():
         folder = pathlib.Path(name)
         command = [*PYTHON, "data_synthetic", "reference-ccx", "--out", folder]
         run(*command)
-        write(out / "ring.csv", json.loads((folder / "slices_vs_calculix.json").read_text())["loads"])
-        plan, truth = planned(options.case.resolve(), folder)
+        write_csv(out / "ring.csv", json.loads((folder / "slices_vs_calculix.json").read_text())["loads"])
+        plan, truth = grow_and_plan(options.case.resolve(), folder)
         run(*command, "--scene", plan, "--truth", truth)
-        write(out / "case.csv", json.loads((folder / "case_vs_calculix.json").read_text())["stages"])
+        write_csv(out / "case.csv", json.loads((folder / "case_vs_calculix.json").read_text())["stages"])
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ import argparse
 import pathlib
 import tempfile
 
-from benchmark_case import PYTHON, ROOT, planned, run
+from benchmark_case import PYTHON, ROOT, grow_and_plan, run
 
 
 def main():
@@ -17,7 +17,7 @@ def main():
     parser.add_argument("--case", type=pathlib.Path, default=ROOT / "config/cases/lad01.yaml")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
-        plan, truth = planned(options.case.resolve(), pathlib.Path(name))
+        plan, truth = grow_and_plan(options.case.resolve(), pathlib.Path(name))
         place = ["--scene", plan, "--truth", truth, "--out", options.out.resolve()]
         run(*PYTHON, "data_synthetic", "reference-sensitivity", *place)
 

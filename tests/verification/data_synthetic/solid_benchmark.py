@@ -9,7 +9,7 @@ import json
 import pathlib
 import tempfile
 
-from benchmark_case import PYTHON, ROOT, planned, run, write
+from benchmark_case import PYTHON, ROOT, grow_and_plan, run, write_csv
 
 
 def rows(document):
@@ -37,10 +37,10 @@ def main():
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        plan, truth = planned(options.case.resolve(), folder)
+        plan, truth = grow_and_plan(options.case.resolve(), folder)
         meshes = ["--meshes", *options.meshes]
         run(*PYTHON, "data_synthetic", "reference-3d", "--scene", plan, "--truth", truth, *meshes, "--out", folder)
-        write(out / "benchmark.csv", rows(json.loads((folder / "slices_vs_3d.json").read_text())))
+        write_csv(out / "benchmark.csv", rows(json.loads((folder / "slices_vs_3d.json").read_text())))
 
 
 if __name__ == "__main__":

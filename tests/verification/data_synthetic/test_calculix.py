@@ -40,7 +40,7 @@ def test_a_program_that_writes_nothing_is_an_error(tmp_path):
         against_calculix.calculix_positions("true", tmp_path)
 
 
-def volumes(coordinates, bricks):
+def brick_volumes(coordinates, bricks):
     """Of bricks (n, 8) as the corners' triple product: positive for those that CalculiX takes."""
     corners = np.array([[coordinates[n] for n in brick] for brick in bricks])
     return corners, np.linalg.det(corners[:, [1, 3, 4]] - corners[:, [0]])
@@ -48,7 +48,7 @@ def volumes(coordinates, bricks):
 
 def test_mesh_of_the_deck_fills_the_ring():
     layer = against_calculix.ring_layer()
-    corners, volume = volumes(layer.coordinates, layer.elements[:, :8])
+    corners, volume = brick_volumes(layer.coordinates, layer.elements[:, :8])
     assert volume.min() > 0, "right-handed: CalculiX refuses others"
     middles = np.array([[layer.coordinates[n] for n in element[16:]] for element in layer.elements])
     assert middles == pytest.approx(0.5 * (corners[:, :4] + corners[:, 4:]), abs=1e-12)
@@ -56,31 +56,31 @@ def test_mesh_of_the_deck_fills_the_ring():
     assert on_lumen == pytest.approx(against_calculix.INNER_MM), "face 6 holds nodes 4, 1, 5, 8"
     for node in (*layer.lumen, *layer.outside):
         low, high = (np.array(layer.coordinates[n]) for n in (node, node + layer.top))
-        assert high - low == pytest.approx([0, 0, calculix.HEIGHT_MM])
+        assert high - low == pytest.approx([0, 0, calculix.LAYER_HEIGHT_MM])
 
 
 def test_springs_hold_as_the_support_does():
     """Together they carry support x length of the outside x height, the same in x and y."""
     theta = np.pi * np.arange(48) / 24
-    layer = calculix.layer(theta, np.full(48, 1.0), np.full(48, 2.0), 3)
+    layer = calculix.build_layer(theta, np.full(48, 1.0), np.full(48, 2.0), 3)
     lines = calculix.support_lines(layer, 0.01)
     values = {direction: [] for direction in ("1", "2")}
     for at, line in enumerate(lines):
         if line.startswith("*SPRING"):
             values[lines[at + 1]].append(2 * float(lines[at + 2]))  # two nodes an element set
     for found in values.values():
-        assert sum(found) == pytest.approx(0.01 * 2 * np.pi * 2.0 * calculix.HEIGHT_MM, rel=1e-4)
+        assert sum(found) == pytest.approx(0.01 * 2 * np.pi * 2.0 * calculix.LAYER_HEIGHT_MM, rel=1e-4)
 
 
 def test_the_whole_lumen_is_prescribed():
     theta = np.pi * np.arange(16) / 8
-    layer = calculix.layer(theta, np.full(16, 1.0), np.full(16, 2.0), 3)
-    numbers, above = layer.whole_lumen()
+    layer = calculix.build_layer(theta, np.full(16, 1.0), np.full(16, 2.0), 3)
+    numbers, above = layer.lumen_nodes_all_heights()
     assert len(numbers) == 2 * 16 + 8, "all nodes at both faces, corners between them"
     for node, place in zip(numbers, above):
         assert layer.coordinates[node][:2] == pytest.approx((np.cos(theta[place]), np.sin(theta[place])))
     moved = np.stack([theta, -theta], axis=1)
-    values = [line.split(",") for line in layer.prescribed_lines(moved)[1:]]
+    values = [line.split(",") for line in layer.displacement_lines(moved)[1:]]
     found = {(int(n), int(d)): float(u) for n, d, _, u in values}
     assert found == {(n, d): pytest.approx(moved[k, d - 1]) for n, k in zip(numbers, above) for d in (1, 2)}
 
@@ -136,7 +136,7 @@ def test_mean_pressure_is_that_of_a_round_device_on_a_round_lumen():
 @pytest.fixture(scope="module")
 def recorded(section):
     settings = config.load_section(None, "reference") | {"elements_around": 16, "elements_through": 4}
-    return settings, calculix_case.by_slice(section, procedure_steps(), 10.0, settings)
+    return settings, calculix_case.solve_by_slice(section, procedure_steps(), 10.0, settings)
 
 
 def test_a_uniform_pressure_comes_back_from_its_forces(section, recorded):
@@ -150,9 +150,11 @@ def test_a_uniform_pressure_comes_back_from_its_forces(section, recorded):
         push = 0.5 * np.stack([along[:, 1], -along[:, 0]], axis=1)  # normal times length, on the polygon of the nodes
         x, y = lumen.T
         polygon = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
-        push *= 1.1 * entry["pressure"] * calculix.HEIGHT_MM * calculix_case.areas(lumen[None])[0] / polygon / 3
+        push *= (
+            1.1 * entry["pressure"] * calculix.LAYER_HEIGHT_MM * calculix_case.lumen_areas(lumen[None])[0] / polygon / 3
+        )
         forces.append((lumen[whole], push[whole]))
-    rows = calculix_case.compared(entries, forces, procedure_steps())
+    rows = calculix_case.comparison_rows(entries, forces, procedure_steps())
     assert [(row["step"], row["stage"]) for row in rows] == [
         (name, stage) for name in ("predilatation", "stent") for stage in ("inflated", "deflated")
     ]
@@ -166,8 +168,8 @@ def test_a_uniform_pressure_comes_back_from_its_forces(section, recorded):
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed (Debian package calculix-ccx)")
 def test_slice_and_calculix_agree_through_a_whole_procedure(section, recorded):
     settings, entries = recorded
-    forces = calculix_case.by_calculix(section, entries, settings, "ccx")
-    rows = calculix_case.compared(entries, forces, procedure_steps())
+    forces = calculix_case.solve_by_calculix(section, entries, settings, "ccx")
+    rows = calculix_case.comparison_rows(entries, forces, procedure_steps())
     assert max(row["slice_pressure_mpa"] for row in rows) > 0.05
     for row in rows:
         assert abs(row["pressure_difference_mpa"]) < 0.005

@@ -31,7 +31,7 @@ def network_ffr(case, branches):
         case["patient"]["sbp_mmhg"], case["patient"]["dbp_mmhg"]
     )
     venous_pa = PA_PER_MMHG * flow.venous_pressure_mmhg
-    total = hyperaemia.of_mass(case["patient"]["lvm_g"], flow.hyperaemia_fraction)
+    total = hyperaemia.flow_of_mass(case["patient"]["lvm_g"], flow.hyperaemia_fraction)
     ends = [2 * float(branch.radius(branch.axis.length_mm)) for branch in branches]
     shares = boundary.split_by_diameter(ends, flow.split_exponent)
     document = {"map_pa": map_pa, "venous_pressure_pa": venous_pa, "density_kg_per_m3": flow.density_kg_per_m3}
@@ -47,7 +47,7 @@ def network_ffr(case, branches):
     return float(np.interp(at * 1e-3, s, pressure)) / map_pa
 
 
-def treated(case):
+def treated_lesions(case):
     """The lesions of main whose middle a stent covers; of a proposed plan the first."""
     lesions = case["vessel"]["lesions"]
     if case["plan"] == "auto":
@@ -63,13 +63,13 @@ def treated(case):
     return found
 
 
-def opened(branches, lesions):
+def treated_branches(branches, lesions):
     """The branches with the healthy radius from end to end of lesions of main, as a stent leaves them at best."""
     main = branches[0]
     radius = main.radius_mm.copy()
     for lesion in lesions:
         inside = np.abs(main.axis.s_mm - lesion["centre_s_mm"]) < 0.5 * lesion["length_mm"] + 1
-        radius[inside] = main.healthy_mm[inside]
+        radius[inside] = main.healthy_radius_mm[inside]
     return [dataclasses.replace(main, radius_mm=radius), *branches[1:]]
 
 
@@ -78,7 +78,7 @@ def cases_of(repo_root, cohort):
     return {name: patient.load(repo_root / "config" / "cases" / f"{name}.yaml") for name in names}
 
 
-def narrowing(lesion, s_mm):
+def stenosis_share(lesion, s_mm):
     """Share of the diameter that a cosine lesion takes at a place."""
     offset = 2 * abs(s_mm - lesion["centre_s_mm"]) / lesion["length_mm"]
     return 0.005 * lesion["diameter_stenosis_percent"] * (1 + np.cos(np.pi * min(offset, 1)))
@@ -94,15 +94,15 @@ def test_nine_patients_spread_like_the_published_ones(repo_root):
     after, widest, unprepared, bifurcations, calcified, two = [], [], [], [], [], []
     for name, case in cases.items():
         branches = tree.grow(case["vessel"], name)
-        lesions = treated(case)
+        lesions = treated_lesions(case)
         assert 0.65 < network_ffr(case, branches) < 0.78, name
-        after.append(network_ffr(case, opened(branches, lesions)))
+        after.append(network_ffr(case, treated_branches(branches, lesions)))
         lesion = lesions[0]
         reach = 0.5 * lesion["length_mm"] + 2.5
         place = np.linspace(lesion["centre_s_mm"] - reach, lesion["centre_s_mm"] + reach, 80)
         assert 0.1 <= branches[0].axis.curvature(place).mean() <= 0.2, name
         mouths = [side["s_mm"] for side in case["vessel"]["side_branches"]]
-        bifurcations += [name] if any(narrowing(lesion, s) > 0.4 for s in mouths) else []
+        bifurcations += [name] if any(stenosis_share(lesion, s) > 0.4 for s in mouths) else []
         calcified += [name] if lesion.get("calcium", {}).get("arc_deg", 0) > 180 else []
         two += [name] if len(lesions) == 2 else []
         if case["plan"] != "auto":
@@ -128,7 +128,7 @@ def test_hard_anatomies_can_be_grown(repo_root):
 def test_random_patients_have_lesions_of_every_grade():
     found = []
     for number in range(1, 21):
-        case = draw.one(11, number)
+        case = draw.draw_patient(11, number)
         case = {**case, "vessel": schema.with_defaults(case["vessel"], schema.read("vessel"))}
         found.append(network_ffr(case, tree.grow(case["vessel"])))
     assert 0.3 < np.mean(np.array(found) < 0.8) < 0.8

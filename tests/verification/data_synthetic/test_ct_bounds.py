@@ -21,7 +21,7 @@ def rows(tmp_path_factory):
         return list(csv.DictReader(handle))
 
 
-def chosen(rows, **wanted):
+def matching_rows(rows, **wanted):
     found = [row for row in rows if all(row[key] == value for key, value in wanted.items())]
     assert len(found) == 2  # one per case
     return found
@@ -36,7 +36,7 @@ def test_every_lumen_is_found_whole(rows):
 
 def test_limits_of_agreement_without_a_stent(rows):
     for voxel, limit in (("0.35", 0.35), ("0.5", 0.6)):
-        for row in chosen(rows, state="unstented", voxel_mm=voxel, method="psf_edge"):
+        for row in matching_rows(rows, state="unstented", voxel_mm=voxel, method="psf_edge"):
             assert -limit < float(row["lower_limit_mm2"]) < float(row["upper_limit_mm2"]) < limit
             assert abs(float(row["mean_difference_mm2"])) < 0.12
 
@@ -44,20 +44,21 @@ def test_limits_of_agreement_without_a_stent(rows):
 def test_resistance_without_a_stent(rows):
     for voxel, low, high in (("0.35", 0.85, 1.15), ("0.5", 0.75, 1.25)):
         ratios = [
-            float(r["resistance_ratio"]) for r in chosen(rows, state="unstented", voxel_mm=voxel, method="psf_edge")
+            float(r["resistance_ratio"])
+            for r in matching_rows(rows, state="unstented", voxel_mm=voxel, method="psf_edge")
         ]
         assert low < min(ratios) and max(ratios) < high
 
 
 def test_fixed_threshold_overstates_the_resistance(rows):
     """The known fault of the simple method: it would be a strange phantom that did not show it."""
-    ok = [r for r in chosen(rows, state="unstented", voxel_mm="0.35", method="threshold") if r["status"] == "ok"]
+    ok = [r for r in matching_rows(rows, state="unstented", voxel_mm="0.35", method="threshold") if r["status"] == "ok"]
     assert ok and all(float(row["resistance_ratio"]) > 1.2 for row in ok)
 
 
 def test_bloom_of_a_stent(rows):
-    for row in chosen(rows, state="stented", voxel_mm="0.35", method="psf_edge"):
+    for row in matching_rows(rows, state="stented", voxel_mm="0.35", method="psf_edge"):
         assert abs(float(row["mean_difference_mm2"])) < 0.6
         assert "calcium_or_metal" in row["warnings"]
-    for row in chosen(rows, state="stented", voxel_mm="0.35", method="threshold"):
+    for row in matching_rows(rows, state="stented", voxel_mm="0.35", method="threshold"):
         assert float(row["mean_difference_mm2"]) > 2

@@ -15,7 +15,7 @@ SPACING_MM = 0.3
 EXPONENT = 2.55
 
 
-def drawn(seed):
+def random_vessel(seed):
     """A short vessel of any type and size with one side branch anywhere about it and a narrowing of 40 to 84 %."""
     vessel = {
         "seed": seed,
@@ -32,7 +32,7 @@ def drawn(seed):
 
 @pytest.mark.parametrize("seed", range(SEEDS))
 def test_lumen_is_closed_and_true(seed):
-    vessel = drawn(seed)
+    vessel = random_vessel(seed)
     branches = tree.grow(vessel)
     lumen = field.LumenField(branches)
     points, triangles, on_cap = surface.build(lumen, SPACING_MM)
@@ -43,6 +43,6 @@ def test_lumen_is_closed_and_true(seed):
     assert np.sqrt(np.mean(lumen.value(points[~on_cap]) ** 2)) < 0.001
     assert len(crossings.crossing_pairs(points, triangles)) == 0
     (fork,) = healthy_radius.bifurcations(vessel)
-    before, after = (branches[0].healthy(s) for s in (fork.start_mm, fork.end_mm))
-    side = branches[1].healthy(fork.side_level_mm)
+    before, after = (branches[0].healthy_radius(s) for s in (fork.start_mm, fork.end_mm))
+    side = branches[1].healthy_radius(fork.side_level_mm)
     assert before**EXPONENT == pytest.approx(after**EXPONENT + side**EXPONENT, rel=1e-3)

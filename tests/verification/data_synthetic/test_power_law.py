@@ -23,13 +23,13 @@ def exponent_of(before, after, side):
     return brentq(lambda m: 1 - (after / before) ** m - (side / before) ** m, 0.5, 12)
 
 
-def places(vessel):
+def sampling_positions(vessel):
     """Per bifurcation: arc lengths (mm) on main before and after it, and on the side branch clear of the main wall."""
     forks = healthy_radius.bifurcations(vessel)
     return [(fork.start_mm, fork.end_mm, fork.side_level_mm) for fork in forks]
 
 
-def drawn(seed, exponent):
+def random_vessel(seed, exponent):
     """A vessel with two side branches, all tapered; every other one has a lesion between its ostia.
 
     Gently curved: where the vessel bends towards a side branch, their walls part later than between straight ones.
@@ -52,8 +52,8 @@ def drawn(seed, exponent):
 @pytest.mark.parametrize("exponent", [2.3, 2.55, 3.0])
 @pytest.mark.parametrize("seed", range(6))
 def test_exponent_of_the_profile(seed, exponent):
-    vessel = drawn(seed, exponent)
-    for fork, side in zip(healthy_radius.bifurcations(vessel), healthy_radius.ordered_sides(vessel)):
+    vessel = random_vessel(seed, exponent)
+    for fork, side in zip(healthy_radius.bifurcations(vessel), healthy_radius.ordered_side_branches(vessel)):
         before, after = healthy_radius.main_healthy_radius(vessel, np.array([fork.start_mm, fork.end_mm]))
         clear = float(healthy_radius.side_healthy_radius(side, fork, fork.side_level_mm))
         assert exponent_of(before, after, clear) == pytest.approx(exponent, abs=1e-8)
@@ -62,17 +62,17 @@ def test_exponent_of_the_profile(seed, exponent):
 @pytest.mark.parametrize("exponent", [2.3, 2.55, 3.0])
 @pytest.mark.parametrize("seed", range(6))
 def test_exponent_from_the_field(seed, exponent):
-    vessel = drawn(seed, exponent)
+    vessel = random_vessel(seed, exponent)
     main, *sides = tree.grow(vessel)
     assert vessel["main"]["taper_percent_per_cm"] >= 1 and len(sides) == 2
-    for (before, after, clear), branch in zip(places(vessel), sides):
-        found = exponent_of(main.healthy(before), main.healthy(after), branch.healthy(clear))
+    for (before, after, clear), branch in zip(sampling_positions(vessel), sides):
+        found = exponent_of(main.healthy_radius(before), main.healthy_radius(after), branch.healthy_radius(clear))
         assert found == pytest.approx(exponent, abs=FIELD_TOLERANCE)
 
 
 @pytest.mark.parametrize("seed, exponent", [(0, 2.55), (1, 2.55), (2, 2.55), (3, 2.3), (4, 3.0)])
 def test_exponent_from_sections_of_the_surface(seed, exponent):
-    vessel = drawn(seed, exponent)
+    vessel = random_vessel(seed, exponent)
     branches = tree.grow(vessel)
     points, triangles, _ = surface.build(field.LumenField(branches), SPACING_MM)
 
@@ -81,6 +81,6 @@ def test_exponent_from_sections_of_the_surface(seed, exponent):
         area = evaluate.section_area(points, triangles, branch.axis.point(s), branch.axis.frame(s)[0])
         return np.sqrt(area / np.pi)
 
-    for (before, after, clear), branch in zip(places(vessel), branches[1:]):
+    for (before, after, clear), branch in zip(sampling_positions(vessel), branches[1:]):
         found = exponent_of(radius(branches[0], before), radius(branches[0], after), radius(branch, clear))
         assert found == pytest.approx(exponent, abs=SURFACE_TOLERANCE)

@@ -87,7 +87,7 @@ def test_the_lesion_is_opened_as_in_patients(treated):
 
 def test_surface_is_closed_moved_in_the_stent_and_at_rest_at_the_ends(treated, patient):
     poly = vtp.read_triangles(treated / "lumen.vtp", "")
-    points, triangles = vtp.arrays(poly)
+    points, triangles = vtp.points_and_triangles(poly)
     directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     assert set(map(tuple, directed)) == set(map(tuple, directed[:, ::-1]))
     main = truth.load(patient / "source/truth.json")[0][0]

@@ -141,7 +141,7 @@ def test_an_eccentric_soft_plaque_lets_go_of_a_balloon_step_by_step():
     for step in (0.12, 0.06):
         model = inflated()
         assert radius(model) == pytest.approx(1.742, abs=2e-3)
-        procedure.shrink(model, lambda: np.linalg.norm(model.lumen_position(), axis=1).min(), step, "test")
+        procedure.deflate(model, lambda: np.linalg.norm(model.lumen_position(), axis=1).min(), step, "test")
         assert model.loads()["balloon_share"] == 0
         found.append(radius(model))
     assert found[0] == pytest.approx(found[1], rel=1e-3) and found[1] == pytest.approx(1.075, abs=5e-3)

@@ -50,10 +50,10 @@ def exact(x):
     return np.where(x <= HALF, a * within.real + b * within.imag, c * beyond.real + d * beyond.imag)
 
 
-def error(step_mm):
+def beam_error(step_mm):
     """(largest error, largest displacement) in mm at a spacing of the beam's nodes."""
     stent = devices.Stent("stent", LENGTH / 2 - HALF, LENGTH / 2 + HALF, 0.955, 0.22, DEVICE)
-    s, w = straightening.offset(Arc(), [stent], VESSEL, FOUNDATION, step_mm)
+    s, w = straightening.beam_displacement(Arc(), [stent], VESSEL, FOUNDATION, step_mm)
     assert np.abs(w[:, [0, 2]]).max() < 1e-12
     right = exact(s - LENGTH / 2)
     return np.abs(w[:, 1] - right).max(), np.abs(right).max()
@@ -69,7 +69,7 @@ def test_the_closed_form_keeps_its_conditions():
 
 
 def test_straightening_converges_to_the_closed_form():
-    errors, largest = zip(*(error(step) for step in STEPS))
+    errors, largest = zip(*(beam_error(step) for step in STEPS))
     assert errors[-1] < 1e-4 * max(largest)
     slopes = np.log(np.array(errors[:-1]) / errors[1:]) / np.log(2)
     assert slopes == pytest.approx(4, abs=0.3)
@@ -78,7 +78,7 @@ def test_straightening_converges_to_the_closed_form():
 def test_ends_of_a_device_may_lie_anywhere():
     """At the step of the study; nodes lie at the device's ends wherever these are."""
     stent = devices.Stent("stent", LENGTH / 2 - HALF + 0.0617, LENGTH / 2 + HALF + 0.0617, 0.955, 0.22, DEVICE)
-    s, w = straightening.offset(Arc(), [stent], VESSEL, FOUNDATION)
+    s, w = straightening.beam_displacement(Arc(), [stent], VESSEL, FOUNDATION)
     right = exact(s - LENGTH / 2 - 0.0617)
     assert np.abs(w[:, 1] - right).max() < 1e-6 * np.abs(right).max()
 

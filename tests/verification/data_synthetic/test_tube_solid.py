@@ -47,7 +47,7 @@ def steps(model):
     for value in np.linspace(0.55, 1.3, 8)[1:]:
         model.advance({"balloon_radius": float(value)})
     if isinstance(model, TubeModel):
-        model.set_held(np.full(5, 1.25))
+        model.set_stent_radius(np.full(5, 1.25))
     else:
         model.set_loads({"stent_radius": 1.25})
     model.set_loads({"stent_stiffness": 1.5, "stent_cap": 0.2})

@@ -30,24 +30,24 @@ from flow import settings  # noqa: E402
 
 OUTLET, FLOW, DENSITY, VISCOSITY = 70 * 133.322, 150e-6 / 60, 1060.0, 0.004  # SI
 RADIUS, LENGTH, THROAT, REDUCTION = 1.6, 50.0, 20.0, 0.62  # mm
-PLACES = (0.01, 45.0)  # mm: just behind the inlet, and where FFR is read
+PRESSURE_PLACES_MM = (0.01, 45.0)  # mm: just behind the inlet, and where FFR is read
 OPENFOAM_EDGES = (0.8, 0.55, 0.4)  # mm; at 1.1 its volume is 3 % short, 0.3 takes as long as all of them
 RINGS = (3, 4, 5)  # of our only mesh; 2 find no steady flow
-ADAPTIVE, BOTH = (
+ADAPTIVE, ALL_MESHES = (
     0,
     1,
 )  # in their place: the default, and the default with the fine mesh solved on whatever the coarse says
-NAMES = {ADAPTIVE: "default: the first mesh within the tolerance", BOTH: "default, to the finest mesh"}
+NAMES = {ADAPTIVE: "default: the first mesh within the tolerance", ALL_MESHES: "default, to the finest mesh"}
 TIMES = ("mesh_cpu_s", "solve_cpu_s")
 COLUMNS = ("solver", "resolution", "cells", "volume_mm3", "flow_ml_per_min", "ffr", "error", "scatter", *TIMES)
 COLUMNS += ("settled_cpu_s", "iterations", "outcome")
-SHARED = {"volume_mm3": 0.02, "flow_ml_per_min": 1e-4}  # differences from the case's that are let pass
+ALLOWED_DIFFERENCE = {"volume_mm3": 0.02, "flow_ml_per_min": 1e-4}  # differences from the case's that are let pass
 RADIUS_PROFILE = tubes.lesion(RADIUS, REDUCTION, THROAT, 10)
 
 
 def document():
     """boundary.json: the inflow given, the pressure at the outlet."""
-    point = tubes.line(LENGTH, RADIUS_PROFILE).point(PLACES[1]).tolist()
+    point = tubes.centre_branch(LENGTH, RADIUS_PROFILE).point(PRESSURE_PLACES_MM[1]).tolist()
     outlet = {"name": "outlet1", "region_id": 2, "branch": "main", "flow_m3_per_s": FLOW}
     outlet |= {"resistance_pa_s_per_m3": 0.0, "pressure_pa": OUTLET}
     return {
@@ -57,12 +57,12 @@ def document():
         "viscosity_pa_s": VISCOSITY,
         "inlet_flow_m3_per_s": FLOW,
         "outlets": [outlet],
-        "probes": [{"name": "distal", "branch": "main", "s_mm": PLACES[1], "point_mm": point}],
+        "probes": [{"name": "distal", "branch": "main", "s_mm": PRESSURE_PLACES_MM[1], "point_mm": point}],
     }
 
 
 def ffr(pressures):
-    """FFR of pressures over the outlet's at PLACES."""
+    """FFR of pressures over the outlet's at PRESSURE_PLACES_MM."""
     return (OUTLET + pressures[1]) / (OUTLET + pressures[0])
 
 
@@ -70,12 +70,12 @@ def reference():
     """FFR of the axisymmetric solution."""
     from axisymmetric import Tube
 
-    return ffr(Tube(RADIUS_PROFILE, LENGTH, THROAT, document(), (150, 16)).pressures(FLOW, PLACES))
+    return ffr(Tube(RADIUS_PROFILE, LENGTH, THROAT, document(), (150, 16)).pressures(FLOW, PRESSURE_PLACES_MM))
 
 
-def openfoam(edge_mm, folder):
+def openfoam_rows(edge_mm, folder):
     """Rows of one OpenFOAM mesh, one for each gradient of the velocity."""
-    tube = RADIUS_PROFILE, LENGTH, THROAT, PLACES
+    tube = RADIUS_PROFILE, LENGTH, THROAT, PRESSURE_PLACES_MM
     made = openfoam_case.mesh(folder, *tube, edge_mm, FLOW, DENSITY, VISCOSITY)
     for gradient in openfoam_case.GRADIENTS:
         limited = "limited" if "Limited" in gradient else "linear"
@@ -103,21 +103,21 @@ def spacing(rings):
 
 
 def sizes_of(rings, command):
-    """Options of `flow mesh` or `flow solve` for one mesh with so many rings; none for ADAPTIVE and BOTH."""
+    """Options of `flow mesh` or `flow solve` for one mesh with so many rings; none for ADAPTIVE and ALL_MESHES."""
     if rings in NAMES:
         return []
     return ["--rings", str(rings)] * (command == "mesh") + spacing(rings)
 
 
-def ours(rings, folder):
-    """Row of one mesh with so many rings, or of two meshes (ADAPTIVE, BOTH)."""
+def vci_rows(rings, folder):
+    """Row of one mesh with so many rings, or of two meshes (ADAPTIVE, ALL_MESHES)."""
     row = {"solver": "vci", "resolution": NAMES.get(rings, f"one mesh of {rings} rings")}
     folder.mkdir(parents=True, exist_ok=True)
-    branch = tubes.line(LENGTH, RADIUS_PROFILE)
+    branch = tubes.centre_branch(LENGTH, RADIUS_PROFILE)
     tubes.write_case(folder, tubes.tube(LENGTH, RADIUS_PROFILE, 0.4), [branch], None)
     (folder / "boundary.json").write_text(json.dumps(document()))
-    meshes = ["mesh.msh"] + ["--coarse", *hard_cases.COARSE] * (rings in NAMES)
-    line, tolerance = ["--centreline", "centreline.vtp"], ["--ffr-tolerance", "0"] * (rings == BOTH)
+    meshes = ["mesh.msh"] + ["--coarse", *hard_cases.COARSE_MESHES] * (rings in NAMES)
+    line, tolerance = ["--centreline", "centreline.vtp"], ["--ffr-tolerance", "0"] * (rings == ALL_MESHES)
     seconds = []
     for command in (
         ["mesh", "lumen.vtp", *line, "--out", *meshes, *sizes_of(rings, "mesh")],
@@ -161,7 +161,7 @@ def check(row):
     """Raises ComputationError where a converged row's geometry or flow is not the one that all are to share."""
     s = np.linspace(0, LENGTH, 20001)
     exact = {"volume_mm3": float(trapezoid(np.pi * RADIUS_PROFILE(s) ** 2, s)), "flow_ml_per_min": FLOW * 6e7}
-    shared = [] if row["outcome"].startswith("not") else SHARED.items()
+    shared = [] if row["outcome"].startswith("not") else ALLOWED_DIFFERENCE.items()
     for name, part in shared:
         if name in row and abs(row[name] / exact[name] - 1) > part:
             raise ComputationError(
@@ -178,7 +178,7 @@ def draw(rows, path):
 
     figure, axes = pyplot.subplots(1, 2, figsize=(9, 4), sharey=True)
     for panel, keys, title in ((axes[0], ("solve_cpu_s",), "solve"), (axes[1], TIMES, "mesh and solve")):
-        for label, colour, chosen in series(rows):
+        for label, colour, chosen in plotted_series(rows):
             points = [(sum(r[k] for k in keys), abs(r["error"]), r["outcome"] == "converged") for r in chosen]
             x, y, converged = zip(*points)
             panel.loglog(x, y, "o-", color=colour, label=label)
@@ -194,7 +194,7 @@ def draw(rows, path):
     pyplot.close(figure)
 
 
-def series(rows):
+def plotted_series(rows):
     """[(label, colour, rows with an error)] of the fronts to draw, none of them empty."""
     chosen = [
         ("vci, one mesh", "#0a5a94", lambda r: r["resolution"].startswith("one mesh")),
@@ -215,7 +215,7 @@ def seconds_of(row):
     return row["mesh_cpu_s"] + (row.get("settled_cpu_s") or row["solve_cpu_s"])
 
 
-def factor(rows):
+def time_ratios(rows):
     """{our row: (OpenFOAM's CPU seconds over ours, whether it reaches our error)}, mesh and solve.
 
     OpenFOAM's are those of its cheapest row of no more error than ours, else of its row of least error.
@@ -239,7 +239,7 @@ def save(rows, folder):
     draw(rows, folder / "benchmark.png")
 
 
-def kept(table):
+def earlier_rows(table):
     """Rows of an earlier run, which stay where they are not run again."""
     if not table.is_file():
         return []
@@ -254,17 +254,17 @@ def main():
     parser.add_argument("--out", required=True, type=pathlib.Path, help="folder of table, figure and the runs")
     parser.add_argument("--edges", nargs="*", type=float, default=OPENFOAM_EDGES, help="of OpenFOAM's meshes, mm")
     parser.add_argument(
-        "--rings", nargs="*", type=int, default=(ADAPTIVE, BOTH, *RINGS), help=f"of our only mesh; or {NAMES}"
+        "--rings", nargs="*", type=int, default=(ADAPTIVE, ALL_MESHES, *RINGS), help=f"of our only mesh; or {NAMES}"
     )
     options = parser.parse_args()
     missing = openfoam_run.missing_programs()
     if missing:
         raise InputError("OpenFOAM is not installed", "PATH", ", ".join(missing), "apt-get install openfoam")
     options.out.mkdir(parents=True, exist_ok=True)
-    truth, rows = reference(), kept(options.out / "benchmark.csv")
+    truth, rows = reference(), earlier_rows(options.out / "benchmark.csv")
     print(f"reference: FFR {truth:.5f}", file=sys.stderr)
-    jobs = [(ours, rings, f"vci_{rings}") for rings in options.rings]
-    jobs += [(openfoam, edge, f"openfoam_{edge}") for edge in options.edges]
+    jobs = [(vci_rows, rings, f"vci_{rings}") for rings in options.rings]
+    jobs += [(openfoam_rows, edge, f"openfoam_{edge}") for edge in options.edges]
     for job, setting, name in jobs:
         for row in job(setting, options.out / name):
             check(row)
@@ -272,7 +272,7 @@ def main():
             print(row, file=sys.stderr, flush=True)
             rows = [old for old in rows if old["resolution"] != row["resolution"]] + [row]
             save(rows, options.out)
-    for resolution, (ratio, reached) in factor(rows).items():
+    for resolution, (ratio, reached) in time_ratios(rows).items():
         least = "" if reached else ", and its most accurate row is further off"
         print(f"vci, {resolution}: OpenFOAM takes {ratio:.1f} times as long{least}", file=sys.stderr)
 

@@ -191,4 +191,4 @@ class Tube:
 
     def _on_axis(self, s_mm):
         point = np.array([[s_mm * 1e-3, 1e-7, 0.0]])
-        return float(self.state.sub(1).eval(point, fenicsx.cells_at(self.domain, point))[0])
+        return float(self.state.sub(1).eval(point, fenicsx.containing_cells(self.domain, point))[0])

@@ -2,8 +2,8 @@
 
 DIR/CASE: a straight tube of hard_cases.py that it has solved there. Prints a row of the table in flow/measured.md for
 each: by the axisymmetric solution the largest error of the pull-back, where, and the estimate there; the share of the
-points at which the estimate is no less than the error (but for ROUNDING), the least estimate over error where that
-exceeds SMALL; behind the lesions the largest error and estimate; the outlet's.
+points at which the estimate is no less than the error (but for REFERENCE_ROUNDING), the least estimate over error where
+that exceeds SMALL_ERROR; behind the lesions the largest error and estimate; the outlet's.
 """
 
 import json
@@ -18,17 +18,17 @@ sys.path[:0] = [str(pathlib.Path(__file__).parent)]
 import axisymmetric  # noqa: E402
 import hard_cases  # noqa: E402
 
-ROUNDING, SMALL = 2e-5, 2e-4  # of FFR; the first is what the reference is known to
-END = 0.05  # mm from the ends, where the reference is read instead: in the cells for certain
-BEHIND = 0.97  # of the radius, from where the vessel counts as healthy again
+REFERENCE_ROUNDING, SMALL_ERROR = 2e-5, 2e-4  # of FFR; the first is what the reference is known to
+END_MARGIN_MM = 0.05  # mm from the ends, where the reference is read instead: in the cells for certain
+HEALTHY_SHARE = 0.97  # of the radius, from where the vessel counts as healthy again
 
 
-def compared(tube, folder):
+def with_errors(tube, folder):
     """(table of pullback.csv with the true error as `error`, (error, estimate) of the outlet) of a hard_cases.Tube."""
     answer, table = json.loads((folder / "ffr.json").read_text()), pd.read_csv(folder / "pullback.csv")
-    length, (_, _, _, document) = max(tube.length, tube.continued), tube.case()
+    length, (_, _, _, document) = max(tube.length, tube.reference_length), tube.case()
     reference = axisymmetric.Tube(tube.radius, length, tube.throat, document, hard_cases.REFERENCE_CELLS)
-    s_mm = np.clip(table["s_mm"], END, length - END)
+    s_mm = np.clip(table["s_mm"], END_MARGIN_MM, length - END_MARGIN_MM)
     along, at_outlet = reference.ffr_along(answer["inlet_flow_m3_per_s"], s_mm)
     (outlet,) = answer["outlets"]
     if tube.length < length:  # its FFR is read where the vessel ended
@@ -36,18 +36,18 @@ def compared(tube, folder):
     return table.assign(error=table["ffr"] - along), (outlet["ffr"] - at_outlet, outlet["error_estimate"])
 
 
-def figures(tube, table):
+def row_figures(tube, table):
     """The row's figures of the pull-back."""
     size, estimate = table["error"].abs(), table["ffr_error_estimate"]
     most = size.idxmax()
-    counts = size > SMALL
-    healthy = np.array([tube.radius(s) >= BEHIND * tube.radius(0.0) for s in table["s_mm"]])
+    counts = size > SMALL_ERROR
+    healthy = np.array([tube.radius(s) >= HEALTHY_SHARE * tube.radius(0.0) for s in table["s_mm"]])
     behind = np.arange(len(table)) > np.flatnonzero(~healthy).max()
     return {
         "largest": size[most],
         "at_mm": table["s_mm"][most],
         "estimate_there": estimate[most],
-        "share": float((estimate + ROUNDING >= size).mean()),
+        "share": float((estimate + REFERENCE_ROUNDING >= size).mean()),
         "least_ratio": float((estimate / size)[counts].min()) if counts.any() else np.nan,
         "behind": size[behind].max(),
         "estimate_behind": estimate[behind].max(),
@@ -58,8 +58,8 @@ def main(folder, *names):
     """Prints the table."""
     for name in names:
         tube = hard_cases.STRAIGHT[name]
-        table, outlet = compared(tube, pathlib.Path(folder) / name)
-        row = figures(tube, table)
+        table, outlet = with_errors(tube, pathlib.Path(folder) / name)
+        row = row_figures(tube, table)
         most = f"{row['largest']:.4f} at {row['at_mm']:g} mm"
         print(
             f"| {name} | {most} | {row['estimate_there']:.4f} | {row['share']:.0%} |"

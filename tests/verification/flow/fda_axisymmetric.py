@@ -51,7 +51,7 @@ class Nozzle(axisymmetric.Tube):
         """(velocity along the axis (n,) in m/s, pressure (n,) in Pa) at s_mm (n,), r_mm from the axis."""
         points = np.zeros((len(s_mm), 3))
         points[:, 0], points[:, 1] = 1e-3 * np.asarray(s_mm), 1e-3 * r_mm
-        cells = fenicsx.cells_at(self.domain, points)
+        cells = fenicsx.containing_cells(self.domain, points)
         return self.state.sub(0).eval(points, cells)[:, 0], self.state.sub(1).eval(points, cells)[:, 0]
 
     def solve(self, flow):

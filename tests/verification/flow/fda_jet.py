@@ -22,10 +22,10 @@ from fda_axisymmetric import Nozzle  # noqa: E402
 from vtk.util import numpy_support  # noqa: E402
 
 OUTLET_PA, PROBE_ORIGINAL_MM = 90 * 133.322, 100.0  # behind the expansion, where the jet has spread
-PLACES = fda_nozzle.Z_ORIGINAL_MM
-Z_WALL = np.linspace(2, 118, 117)  # mm of the original: where the flow along the wall is read
-NEAR_WALL = 0.98  # of the radius
-COLUMNS = ("row", *(f"z_{z:g}" for z in PLACES), "within", "reattached", "ffr", "estimate")
+PLACES_MM = fda_nozzle.Z_ORIGINAL_MM
+WALL_PLACES_MM = np.linspace(2, 118, 117)  # mm of the original: where the flow along the wall is read
+NEAR_WALL_SHARE = 0.98  # of the radius
+COLUMNS = ("row", *(f"z_{z:g}" for z in PLACES_MM), "within", "reattached", "ffr", "estimate")
 
 
 def document(nozzle):
@@ -44,18 +44,18 @@ def document(nozzle):
     }
 
 
-def laboratories():
+def laboratory_rows():
     """The rows of the measured mean and standard deviation."""
     measured = {"laboratories": fda_nozzle.VELOCITY_ORIGINAL, "their SD": fda_nozzle.SPREAD_ORIGINAL}
     return [{"row": name, **velocities(values)} for name, values in measured.items()]
 
 
 def velocities(values):
-    """{column: text} of velocities of the original at PLACES."""
-    return {f"z_{z:g}": f"{value:.3f}" for z, value in zip(PLACES, values)}
+    """{column: text} of velocities of the original at PLACES_MM."""
+    return {f"z_{z:g}": f"{value:.3f}" for z, value in zip(PLACES_MM, values)}
 
 
-def within(values):
+def count_within(values):
     """How many of the velocities are within two standard deviations of the laboratories' mean, in words."""
     near = np.abs(values - fda_nozzle.VELOCITY_ORIGINAL) <= 2 * fda_nozzle.SPREAD_ORIGINAL
     return f"{near.sum()} of {len(near)}"
@@ -73,32 +73,37 @@ def reattachment(z_mm, speed):
     return f"{z_mm[k] + (z_mm[k + 1] - z_mm[k]) * speed[k] / (speed[k] - speed[k + 1]):.1f}"
 
 
-def reference(nozzle, boundary):
+def axisymmetric_row(nozzle, boundary):
     """Row of the axisymmetric solution."""
     exact, probe = Nozzle(boundary), boundary["probes"][0]["s_mm"]
     exact.solve(fda_nozzle.FLOW)
-    on_axis = fda_nozzle.original_velocity(exact.at(nozzle.along_mm(PLACES), 1e-4)[0])
-    along = exact.at(nozzle.along_mm(Z_WALL), NEAR_WALL * fda_nozzle.RADIUS)[0]
+    on_axis = fda_nozzle.original_velocity(exact.at(nozzle.along_mm(PLACES_MM), 1e-4)[0])
+    along = exact.at(nozzle.along_mm(WALL_PLACES_MM), NEAR_WALL_SHARE * fda_nozzle.RADIUS)[0]
     inlet, distal = OUTLET_PA + exact.at((0.01, probe), 1e-4)[1]
-    found = {"row": "axisymmetric", **velocities(on_axis), "within": within(on_axis)}
-    return found | {"reattached": reattachment(Z_WALL, along), "ffr": distal / inlet}
+    found = {"row": "axisymmetric", **velocities(on_axis), "within": count_within(on_axis)}
+    return found | {"reattached": reattachment(WALL_PLACES_MM, along), "ffr": distal / inlet}
 
 
-def ours(nozzle, boundary, folder):
+def vci_row(nozzle, boundary, folder):
     """Row of the answer of `flow solve`, meshed and solved in `folder`."""
     fda_nozzle.write(nozzle, folder)
     (folder / "boundary.json").write_text(json.dumps(boundary))
-    line, meshes = ["--centreline", "centreline.vtp"], ["mesh.msh", "--coarse", *hard_cases.COARSE]
+    line, meshes = ["--centreline", "centreline.vtp"], ["mesh.msh", "--coarse", *hard_cases.COARSE_MESHES]
     growth.command(folder, "mesh", "lumen.vtp", *line, "--out", *meshes)
     growth.command(folder, "solve", *meshes, *line, "--boundary", "boundary.json", "--out", ".")
     answer, report = (json.loads((folder / name).read_text()) for name in ("ffr.json", "mesh.json"))
     rings = dict(
-        zip((*hard_cases.COARSE, "mesh.msh"), (*(part["rings"] for part in report["coarse"]), report["rings"]))
+        zip((*hard_cases.COARSE_MESHES, "mesh.msh"), (*(part["rings"] for part in report["coarse"]), report["rings"]))
     )
-    on_axis = fda_nozzle.original_velocity(along_x(folder / "solution.vtu", nozzle.along_mm(PLACES), 1e-3))
-    wall = along_x(folder / "solution.vtu", nozzle.along_mm(Z_WALL), NEAR_WALL * fda_nozzle.RADIUS)
+    on_axis = fda_nozzle.original_velocity(along_x(folder / "solution.vtu", nozzle.along_mm(PLACES_MM), 1e-3))
+    wall = along_x(folder / "solution.vtu", nozzle.along_mm(WALL_PLACES_MM), NEAR_WALL_SHARE * fda_nozzle.RADIUS)
     name = f"{rings[answer['mesh']]} rings, eps {answer['artificial_viscosity']:.2g}"
-    found = {"row": name, **velocities(on_axis), "within": within(on_axis), "reattached": reattachment(Z_WALL, wall)}
+    found = {
+        "row": name,
+        **velocities(on_axis),
+        "within": count_within(on_axis),
+        "reattached": reattachment(WALL_PLACES_MM, wall),
+    }
     return found | {"ffr": f"{answer['ffr']:.5f}", "estimate": f"{answer['error_estimate']['ffr']:.4f}"}
 
 
@@ -126,8 +131,8 @@ def main():
     arguments.out.mkdir(parents=True, exist_ok=True)
     nozzle = fda_nozzle.make()
     boundary = document(nozzle)
-    exact = reference(nozzle, boundary)
-    rows = [*laboratories(), exact | {"ffr": f"{exact['ffr']:.5f}"}, ours(nozzle, boundary, arguments.out)]
+    exact = axisymmetric_row(nozzle, boundary)
+    rows = [*laboratory_rows(), exact | {"ffr": f"{exact['ffr']:.5f}"}, vci_row(nozzle, boundary, arguments.out)]
     with (arguments.out / "jet.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()

@@ -72,7 +72,7 @@ def make(around=AROUND, inlet_mm=INLET_MM, outlet_mm=OUTLET_MM, spacing_mm=0.25)
     wall = np.where(along < expansion, np.interp(along, corners_s[:4], corners_r[:4]), RADIUS)
     # the nearest point of the wall: behind the expansion the throat's rim, in the cone a point of it further on
     gap = np.hypot(along[:, None] - s, radius).min(axis=1)
-    branch = tubes.line(length, lambda _: RADIUS, spacing_mm=spacing_mm)
+    branch = tubes.centre_branch(length, lambda _: RADIUS, spacing_mm=spacing_mm)
     branch = centreline.Branch(branch.name, branch.branch_id, branch.points, along, np.minimum(gap, wall))
     return Nozzle(tubes.revolved(s, radius, around), branch, np.pi * wall**2, float(expansion))
 

@@ -38,7 +38,7 @@ COLUMNS += ("artificial", "dofs", "factorizations", "cpu_s", "mib")
 class Tube:
     """A straight tube: radius (of s) and lengths in mm, throat where the reference is finest; share of FLOW.
 
-    continued: length of the tube that the reference is of, longer where the vessel goes on behind the outlet.
+    reference_length: length of the tube that the reference is of, longer where the vessel goes on behind the outlet.
     """
 
     radius: object
@@ -46,18 +46,18 @@ class Tube:
     throat: float
     probe: float
     share: float = 1.0
-    continued: float = 0.0
+    reference_length: float = 0.0
 
     def case(self):
         """(Surface, branches, parents, document)."""
-        branches = [tubes.line(self.length, self.radius)]
+        branches = [tubes.centre_branch(self.length, self.radius)]
         surface = tubes.tube(self.length, self.radius, EDGE)
         return surface, branches, None, document(branches, [self.share], self.probe)
 
     def reference(self, flow):
         """FFR of the axisymmetric solution; flow: a guess of the inflow in m3/s."""
         _, _, _, boundary = self.case()
-        length = max(self.length, self.continued)
+        length = max(self.length, self.reference_length)
         tube = axisymmetric.Tube(self.radius, length, self.throat, boundary, REFERENCE_CELLS)
         return tube.ffr(flow, self.probe)
 
@@ -85,13 +85,13 @@ def document(branches, shares, probe_mm):
     }
 
 
-def single(reduction, outlet_mm=50.0):
+def single_lesion(reduction, outlet_mm=50.0):
     """Cosine lesion 15-25 mm, the vessel cut off at outlet_mm of 50."""
     radius = tubes.lesion(RADIUS, reduction, 20, 10)
-    return Tube(radius, outlet_mm, 20.0, min(45.0, outlet_mm - 2.0), continued=50.0)
+    return Tube(radius, outlet_mm, 20.0, min(45.0, outlet_mm - 2.0), reference_length=50.0)
 
 
-def tandem():
+def tandem_lesions():
     """Two lesions of 60 %, 5 mm between them."""
     first, second = tubes.lesion(RADIUS, 0.6, 15, 10), tubes.lesion(RADIUS, 0.6, 30, 10)
     return Tube(lambda s: np.minimum(first(s), second(s)), 60.0, 22.5, 55.0)
@@ -103,15 +103,15 @@ def throat_re_1500():
 
 
 STRAIGHT = {
-    **{f"single_{percent}": single(percent / 100) for percent in (62, 75, 80, 85, 90)},
-    "tandem_60": tandem(),
-    "outlet_2d_behind_62": single(0.62, 25 + 4 * RADIUS),
+    **{f"single_{percent}": single_lesion(percent / 100) for percent in (62, 75, 80, 85, 90)},
+    "tandem_60": tandem_lesions(),
+    "outlet_2d_behind_62": single_lesion(0.62, 25 + 4 * RADIUS),
     "throat_re_1500": throat_re_1500(),
 }
 
 
 def _bent(radius, length, probe_mm, axis):
-    branches = [tubes.line(length, radius, axis)]
+    branches = [tubes.centre_branch(length, radius, axis)]
     return tubes.tube(length, radius, EDGE, axis), branches, None, document(branches, [1.0], probe_mm)
 
 
@@ -143,25 +143,26 @@ def fork(shares, **sizes):
 
 
 # side branches: where on the main one, radius, length in mm, angle to it and turn about its axis in degrees
-SIDES = ((12.0, 0.8, 10.0, 60.0, 0.0), (42.0, 1.2, 12.0, 55.0, 160.0), (50.0, 0.9, 10.0, 50.0, 70.0))
-SIDES += ((58.0, 1.0, 10.0, 60.0, 250.0),)
-SPLIT = 2.55  # an outlet's flow goes with its diameter to this power
+SIDE_BRANCHES = ((12.0, 0.8, 10.0, 60.0, 0.0), (42.0, 1.2, 12.0, 55.0, 160.0), (50.0, 0.9, 10.0, 50.0, 70.0))
+SIDE_BRANCHES += ((58.0, 1.0, 10.0, 60.0, 250.0),)
+SPLIT_EXPONENT = 2.55  # an outlet's flow goes with its diameter to this power
 
 
 def five_outlets():
-    """A vessel of 70 mm, 4 mm wide, with SIDES; a lesion of 55 %, 10 mm long, between the first two; FFR 10 mm past it.
+    """A vessel of 70 mm, 4 mm wide, with SIDE_BRANCHES; a lesion of 55 %, 10 mm long, between the first two; FFR 10 mm
+    past it.
 
     The lesion is made by moving the wall's points of the straight vessel towards the axis.
     """
     length, radius, first, last = 70.0, 2.0, 17.0, 27.0
-    surface, branches = tubes.branched(radius, length, SIDES, EDGE)
+    surface, branches = tubes.branched(radius, length, SIDE_BRANCHES, EDGE)
     narrowed = tubes.lesion(radius, 0.55, 0.5 * (first + last), last - first)
     points = surface.points.copy()
     within = (points[:, 0] > first) & (points[:, 0] < last) & (np.hypot(*points[:, 1:].T) < 1.001 * radius)
     points[within, 1:] *= (narrowed(points[within, 0]) / radius)[:, None]
-    branches[0] = tubes.line(length, narrowed)
-    wide = np.array([branch.radius_mm[-1] for branch in branches]) ** SPLIT
-    parents = {branch.name: ("main", side[0]) for branch, side in zip(branches[1:], SIDES)}
+    branches[0] = tubes.centre_branch(length, narrowed)
+    wide = np.array([branch.radius_mm[-1] for branch in branches]) ** SPLIT_EXPONENT
+    parents = {branch.name: ("main", side[0]) for branch, side in zip(branches[1:], SIDE_BRANCHES)}
     return (
         dataclasses.replace(surface, points=points),
         branches,
@@ -179,8 +180,8 @@ CASES = {  # the dearest last
     "five_outlets_55": five_outlets,
     "eccentric_62": eccentric,
 }
-ALL = "all"
-COARSE = ("mesh_coarsest.msh", "mesh_coarse.msh")  # of the default's meshes
+ALL_CASES = "all"
+COARSE_MESHES = ("mesh_coarsest.msh", "mesh_coarse.msh")  # of the default's meshes
 STATE_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")
 
 
@@ -191,7 +192,7 @@ def write(name, folder):
     (folder / "boundary.json").write_text(json.dumps(boundary))
 
 
-def copy(state, folder):
+def copy_state(state, folder):
     """Copies the lumen of a state of a study's case (`pre`, the folder beside it, has the case's own anatomy)."""
     folder.mkdir(parents=True, exist_ok=True)
     anatomy = state.parent / "anatomy" if state.name == "pre" else state / "anatomy"
@@ -201,7 +202,7 @@ def copy(state, folder):
 
 def run(name, folder):
     """Row of the table for the case whose lumen is in `folder`, meshed and solved there."""
-    line, meshes = ["--centreline", "centreline.vtp"], ["mesh.msh", "--coarse", *COARSE]
+    line, meshes = ["--centreline", "centreline.vtp"], ["mesh.msh", "--coarse", *COARSE_MESHES]
     (folder / "ffr.json").unlink(missing_ok=True)
     for command in (["mesh", "lumen.vtp", *line, "--out", *meshes], ["solve", *meshes, *line, "--out", "."]):
         if command[0] == "solve":
@@ -216,10 +217,10 @@ def run(name, folder):
             reason = (folder / f"{command[0]}.log").read_text().strip().splitlines()[-1]
             return {"case": name, "outcome": f"{command[0]} refused, exit {done.returncode}: {reason}"}
     answer = json.loads((folder / "ffr.json").read_text())
-    return {"case": name, "outcome": answer["status"], **figures(answer), **compared(name, answer)}
+    return {"case": name, "outcome": answer["status"], **answer_columns(answer), **reference_columns(name, answer)}
 
 
-def figures(answer):
+def answer_columns(answer):
     """Columns of the table that a document of ffr.json fills."""
     axisymmetric_ffr, estimate = answer["models"]["axisymmetric"]["ffr"], answer["error_estimate"]
     return {
@@ -236,7 +237,7 @@ def figures(answer):
     }
 
 
-def compared(name, answer):
+def reference_columns(name, answer):
     """Columns `reference` and `error` of a straight tube."""
     if name not in STRAIGHT:
         return {}
@@ -247,11 +248,11 @@ def compared(name, answer):
 def main():
     """Runs the named cases, or all, and updates the table after each."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("cases", nargs="*", metavar="CASE", help=f"of {', '.join(CASES)}; {ALL}: each of them")
+    parser.add_argument("cases", nargs="*", metavar="CASE", help=f"of {', '.join(CASES)}; {ALL_CASES}: each of them")
     parser.add_argument("--state", action="append", default=[], type=pathlib.Path, help="results/cases/<case>/<state>")
     parser.add_argument("--out", required=True, type=pathlib.Path, help="folder of the table and the cases' files")
     arguments = parser.parse_args()
-    chosen = list(CASES) if ALL in arguments.cases else arguments.cases
+    chosen = list(CASES) if ALL_CASES in arguments.cases else arguments.cases
     unknown = sorted(set(chosen) - set(CASES))
     if unknown:
         parser.error(f"no such case: {', '.join(unknown)}")
@@ -264,7 +265,7 @@ def main():
     states = {f"{state.parent.name}_{state.name}": state for state in arguments.state}
     for name in [*states, *chosen]:
         folder = arguments.out / name
-        copy(states[name], folder) if name in states else write(name, folder)
+        copy_state(states[name], folder) if name in states else write(name, folder)
         rows[name] = run(name, folder)
         print(rows[name], flush=True)
         with open(table, "w", newline="") as file:

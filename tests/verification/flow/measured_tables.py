@@ -92,10 +92,10 @@ TABLES = {
     ),
 }
 STUDY, COVERAGE = "study", "coverage"
-BEFORE = "pre"  # the state before the intervention
+STATE_BEFORE = "pre"  # the state before the intervention
 STUDY_COLUMNS = ("case", "FFR before", "estimate", "eps", "CPU s", "estimate after", "CPU s after", "MiB")
 COVERAGE_COLUMNS = ("estimates of", "against", "number", "not below the error", "least over the error")
-USED = ("ffr", "error_estimate", "artificial_viscosity", "cpu_seconds", "peak_memory_mib", "meshes")
+USED_KEYS = ("ffr", "error_estimate", "artificial_viscosity", "cpu_seconds", "peak_memory_mib", "meshes")
 DIGITS = {"volume_mm3": ".1f", "error": "+.4f", "mesh_cpu_s": ".1f", "solve_cpu_s": ".1f", "settled_cpu_s": ".1f"}
 
 
@@ -105,7 +105,7 @@ def answers(results):
     for path in sorted((results / "cases").glob("*/flow/*/ffr.json")):
         try:
             answer = json.loads(path.read_text())
-            found.append((path.parts[-4], path.parts[-2], {key: answer[key] for key in USED}))
+            found.append((path.parts[-4], path.parts[-2], {key: answer[key] for key in USED_KEYS}))
         except (json.JSONDecodeError, KeyError) as error:
             raise InputError("not an answer of the flow solver", path, repr(error), "solve this state again") from error
     return found
@@ -119,7 +119,7 @@ def study(results):
         cases.setdefault(case, {})[state] = answer
     rows = []
     for case, states in cases.items():
-        before, after = states.pop(BEFORE, None), list(states.values())
+        before, after = states.pop(STATE_BEFORE, None), list(states.values())
         row = [case, *[""] * 4]
         if before:
             row[1:] = f"{before['ffr']:.4f}", error_of(before), f"{before['artificial_viscosity']:.2g}"
@@ -143,20 +143,20 @@ def coverage(results):
     if hard.is_file():
         with hard.open(newline="") as file:
             pairs = [(row["estimate"], row["error"]) for row in csv.DictReader(file) if row["error"]]
-        rows += covered("straight tubes, the default's answers", "axisymmetric solution", pairs)
+        rows += coverage_row("straight tubes, the default's answers", "axisymmetric solution", pairs)
     pairs = {"before": [], "after": []}
     for _, state, answer in answers(results):
         meshes = [mesh for mesh in answer["meshes"] if mesh.get("error_estimate") is not None]
         for coarse, fine in zip(meshes, meshes[1:]):
-            pairs["before" if state == BEFORE else "after"].append(
+            pairs["before" if state == STATE_BEFORE else "after"].append(
                 (coarse["error_estimate"], fine["ffr"] - coarse["ffr"])
             )
     for when, found in pairs.items():
-        rows += covered(f"trees {when} PCI, meshes passed over", "next finer mesh", found)
+        rows += coverage_row(f"trees {when} PCI, meshes passed over", "next finer mesh", found)
     return markdown(COVERAGE_COLUMNS, rows) if rows else None
 
 
-def covered(what, against, pairs):
+def coverage_row(what, against, pairs):
     """[row] of pairs (estimate, error), none where there is no pair."""
     ratios = [float(estimate) / max(abs(float(error)), 1e-6) for estimate, error in pairs]
     enough = sum(ratio >= 1 for ratio in ratios)

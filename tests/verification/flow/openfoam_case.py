@@ -8,12 +8,22 @@ import re
 import shutil
 
 import numpy as np
-from openfoam_run import POINT, call, children_cpu, faces, figures, inlet_faces, points_of, polyhedra, write
+from openfoam_run import (
+    POINT,
+    run_program,
+    children_cpu_seconds,
+    faces,
+    figures,
+    inlet_faces,
+    points_of,
+    polyhedra,
+    write,
+)
 
 # gradients of the velocity and the iterations they are given: the second converges where the first cycles
 GRADIENTS = {"Gauss linear": 600, "cellLimited Gauss linear 1": 1500}
-LAST = 200  # iterations over which the mean is taken where it does not converge
-SETTLED = 1e-4  # of the pressure fallen: an iteration from which on it is that near its last value is counted too
+AVERAGED_ITERATIONS = 200  # iterations over which the mean is taken where it does not converge
+SETTLED_SHARE = 1e-4  # of the pressure fallen: an iteration from which on it is that near its last value is counted too
 SCHEMES = """ddtSchemes { default steadyState; }
 gradSchemes { default Gauss linear; grad(U) %(gradient)s; }
 divSchemes
@@ -99,12 +109,12 @@ def mesh(folder, radius, length_mm, throat_mm, places_mm, edge_mm, flow, density
     values = {"places": places, "iterations": 1, "gradient": "Gauss linear"}
     for name, text in (("controlDict", CONTROL), ("fvSolution", SOLUTION), ("fvSchemes", SCHEMES)):
         write(folder / "system" / name, "dictionary", text % values)
-    started = children_cpu()
+    started = children_cpu_seconds()
     own = os.times()
     tetrahedra(radius, length_mm, throat_mm, edge_mm, folder / "tube.msh")
     seconds = sum(os.times()[:2]) - sum(own[:2])
     polyhedra(folder, "tube.msh", lambda _: _onto_wall(folder, radius))
-    seconds += children_cpu() - started
+    seconds += children_cpu_seconds() - started
     _fields(folder, float(radius(0.0)) * 1e-3, flow, density, viscosity)
     return {**figures(folder), "mesh_cpu_s": seconds}
 
@@ -112,24 +122,24 @@ def mesh(folder, radius, length_mm, throat_mm, places_mm, edge_mm, flow, density
 def solve(folder, gradient, density):
     """Solves a case that `mesh` wrote with one of GRADIENTS, from rest.
 
-    Returns {converged, iterations, pressures_pa: on the axis at the probed places, over the outlet's, means of the LAST
-    iterations where it does not converge, scatter_pa: their standard deviations, 0 where it does, flow_m3_per_s: out of
-    the outlet, solve_cpu_s, settled_cpu_s: until the pressure's fall stays within SETTLED of its last value, None where
-    it does not converge}. Raises ComputationError where simpleFoam fails.
+    Returns {converged, iterations, pressures_pa: on the axis at the probed places, over the outlet's, means of the
+    AVERAGED_ITERATIONS iterations where it does not converge, scatter_pa: their standard deviations, 0 where it does,
+    flow_m3_per_s: out of the outlet, solve_cpu_s, settled_cpu_s: until the pressure's fall stays within SETTLED_SHARE
+    of its last value, None where it does not converge}. Raises ComputationError where simpleFoam fails.
     """
     write(folder / "system" / "fvSchemes", "dictionary", SCHEMES % {"gradient": gradient})
     control = folder / "system" / "controlDict"
     control.write_text(re.sub(r"(endTime|writeInterval) \d+", rf"\1 {GRADIENTS[gradient]}", control.read_text()))
     for old in [folder / "postProcessing", *folder.glob("[1-9]*")]:
         shutil.rmtree(old, ignore_errors=True)
-    started = children_cpu()
-    log = call(folder, "simpleFoam")
-    seconds = children_cpu() - started
+    started = children_cpu_seconds()
+    log = run_program(folder, "simpleFoam")
+    seconds = children_cpu_seconds() - started
     converged = re.search(r"SIMPLE solution converged in (\d+) iterations", log)
     table = np.loadtxt(folder / "postProcessing" / "axis" / "0" / "p", ndmin=2)[:, 1:] * density
-    last = table[-1:] if converged else table[-LAST:]
+    last = table[-1:] if converged else table[-AVERAGED_ITERATIONS:]
     fall = table[:, 0] - table[:, 1]
-    far = np.flatnonzero(np.abs(fall / fall[-1] - 1) > SETTLED)
+    far = np.flatnonzero(np.abs(fall / fall[-1] - 1) > SETTLED_SHARE)
     after = np.array(re.findall(r"ExecutionTime = ([\d.]+) s", log), float)
     return {
         "converged": converged is not None,

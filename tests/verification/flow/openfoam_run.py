@@ -23,17 +23,17 @@ def write(path, kind, text):
     path.write_text(HEADER % (kind, path.name) + text)
 
 
-def children_cpu():
+def children_cpu_seconds():
     """CPU seconds of the programs that have ended."""
     return sum(os.times()[2:4])
 
 
-def cpu():
+def cpu_seconds():
     """CPU seconds of this process and of the programs that have ended."""
     return sum(os.times()[:4])
 
 
-def call(folder, *command):
+def run_program(folder, *command):
     """Output of a program run in the case's folder, also kept as log.<program>."""
     environment = {**os.environ, "WM_PROJECT_DIR": "/usr/share/openfoam", "OMP_NUM_THREADS": "1"}
     done = subprocess.run(command, cwd=folder, env=environment, text=True, capture_output=True)
@@ -76,21 +76,21 @@ def inlet_faces(folder):
 
 def polyhedra(folder, tetrahedra, moved=lambda folder: None):
     """Turns a gmsh file (format 2.2, mm, in the case's folder) into the case's polyhedra; moved: moves their points."""
-    call(folder, "gmshToFoam", tetrahedra)
+    run_program(folder, "gmshToFoam", tetrahedra)
     boundary = folder / "constant" / "polyMesh" / "boundary"
     boundary.write_text(re.sub(r"(wall\s*{\s*type\s*)patch", r"\1wall", boundary.read_text()))
-    call(folder, "transformPoints", "-scale", "(0.001 0.001 0.001)")
-    call(folder, "polyDualMesh", "60", "-overwrite", "-concaveMultiCells")
+    run_program(folder, "transformPoints", "-scale", "(0.001 0.001 0.001)")
+    run_program(folder, "polyDualMesh", "60", "-overwrite", "-concaveMultiCells")
     moved(folder)
-    call(folder, "renumberMesh", "-overwrite")
+    run_program(folder, "renumberMesh", "-overwrite")
 
 
 def figures(folder):
     """{cells, volume_mm3} by checkMesh. Raises ComputationError for cells without a positive volume."""
-    return of_check(call(folder, "checkMesh"), folder)
+    return figures_of_output(run_program(folder, "checkMesh"), folder)
 
 
-def of_check(checked, folder):
+def figures_of_output(checked, folder):
     """As `figures`, from the output of checkMesh."""
     bad = re.search(r"Number of negative volume cells: (\d+)", checked)
     if bad:

@@ -17,8 +17,8 @@ CORNERS = ((0, 4, 6, 7), (1, 5, 4, 9), (2, 6, 5, 8), (3, 7, 9, 8))
 # two opposite middles, and the other four round them
 DIAGONALS = ((4, 8, (5, 6, 7, 9)), (5, 7, (4, 6, 8, 9)), (6, 9, (4, 5, 8, 7)))
 FACE_PARTS = ([0, 3, 5], [1, 4, 3], [2, 5, 4], [3, 4, 5])  # of a triangle of six nodes
-UPWIND, LINEAR = 300, 500  # iterations of each scheme
-LAST = 100  # iterations over which means are taken
+UPWIND_ITERATIONS, LINEAR_ITERATIONS = 300, 500  # iterations of each scheme
+AVERAGED_ITERATIONS = 100  # iterations over which means are taken
 CONVECTION = ("bounded Gauss upwind", "bounded Gauss linearUpwind grad(U)")
 SCHEMES = """ddtSchemes { default steadyState; }
 gradSchemes { default Gauss linear; }
@@ -55,7 +55,7 @@ functions
 """
 
 
-def name_of(region):
+def patch_name(region):
     """Of the patch of a region_id."""
     return {WALL: "wall", INLET: "inlet"}.get(int(region), f"outlet{int(region) - 1}")
 
@@ -79,7 +79,7 @@ def tetrahedra(source, path):
     finally:
         gmsh.finalize()
     fluid = max(walls) + 2
-    names = [f'2 {region + 1} "{name_of(region)}"' for region in walls] + [f'3 {fluid} "fluid"']
+    names = [f'2 {region + 1} "{patch_name(region)}"' for region in walls] + [f'3 {fluid} "fluid"']
     nodes = [f"{k} {x:.9g} {y:.9g} {z:.9g}" for k, (x, y, z) in enumerate(points, 1)]
     elements = []
     for region, triangles in walls.items():
@@ -118,10 +118,10 @@ def mesh(folder, source):
     for name in ("system", "constant", "0"):
         (folder / name).mkdir(parents=True)
     _settings(folder, "0 0 0", CONVECTION[0], 1)
-    started = run.cpu()
+    started = run.cpu_seconds()
     tetrahedra(source, folder / "tree.msh")
     run.polyhedra(folder, "tree.msh")
-    return {"mesh_cpu_s": run.cpu() - started, **run.figures(folder)}
+    return {"mesh_cpu_s": run.cpu_seconds() - started, **run.figures(folder)}
 
 
 def _settings(folder, place, convection, iterations):
@@ -134,20 +134,20 @@ def solve(folder, flows, probe_mm, density, viscosity):
     """Solves a case that `mesh` wrote, from rest.
 
     flows: {region_id: m3/s out, None where the pressure is held}, and under INLET what flows in.
-    Returns {fall_pa: mean pressure of the inlet over that at the probe, mean of the LAST iterations, scatter_pa: its
-    standard deviation there, iterations, solve_cpu_s}. Raises ComputationError where simpleFoam fails.
+    Returns {fall_pa: mean pressure of the inlet over that at the probe, mean of the AVERAGED_ITERATIONS iterations,
+    scatter_pa: its standard deviation there, iterations, solve_cpu_s}. Raises ComputationError where simpleFoam fails.
     """
     _fields(folder, flows, density, viscosity)
     place = " ".join(f"{1e-3 * x:.9g}" for x in probe_mm)
-    started = run.cpu()
-    for convection, last in zip(CONVECTION, (UPWIND, UPWIND + LINEAR)):
+    started = run.cpu_seconds()
+    for convection, last in zip(CONVECTION, (UPWIND_ITERATIONS, UPWIND_ITERATIONS + LINEAR_ITERATIONS)):
         _settings(folder, place, convection, last)
-        run.call(folder, "simpleFoam")
-    seconds = run.cpu() - started
+        run.run_program(folder, "simpleFoam")
+    seconds = run.cpu_seconds() - started
     fall = density * (_series(folder, "inlet", "surfaceFieldValue.dat") - _series(folder, "inside", "p"))
     return {
-        "fall_pa": float(fall[-LAST:].mean()),
-        "scatter_pa": float(fall[-LAST:].std()),
+        "fall_pa": float(fall[-AVERAGED_ITERATIONS:].mean()),
+        "scatter_pa": float(fall[-AVERAGED_ITERATIONS:].std()),
         "iterations": len(fall),
         "solve_cpu_s": seconds,
     }
@@ -177,8 +177,8 @@ def _fields(folder, flows, density, viscosity):
         if region != INLET:
             rate = f"type flowRateOutletVelocity; volumetricFlowRate {flow}; value uniform (0 0 0);"
             held = flow is None
-            velocity[name_of(region)] = "type zeroGradient;" if held else rate
-            pressure[name_of(region)] = "type fixedValue; value uniform 0;" if held else "type zeroGradient;"
+            velocity[patch_name(region)] = "type zeroGradient;" if held else rate
+            pressure[patch_name(region)] = "type fixedValue; value uniform 0;" if held else "type zeroGradient;"
     for name, kind, units, patches, rest in (
         ("U", "volVectorField", "[0 1 -1 0 0 0 0]", velocity, "(0 0 0)"),
         ("p", "volScalarField", "[0 2 -2 0 0 0 0]", pressure, "0"),

@@ -23,14 +23,14 @@ import hard_cases  # noqa: E402  (makes the packages of the repository known)
 from common.errors import guarded  # noqa: E402
 
 TUBE = "single_62"
-SETTLED = 1e-4  # of FFR: scatter of simpleFoam over its last iterations, from which on it did not converge
+SCATTER_LIMIT = 1e-4  # of FFR: scatter of simpleFoam over its last iterations, from which on it did not converge
 DEFAULT = growth.DEFAULT
 SEQUENCE = (*DEFAULT.coarse_rings, DEFAULT.rings)
 FINEST = DEFAULT.rings + 1
 COLUMNS = ("case", "solver", "mesh", "size", "cpu_s", "ffr", "error", "estimate", "answers")
 
 
-def solved(folder, rings):
+def solve_meshes(folder, rings):
     """Rows of `meshes` in ffr.json on meshes of so many rings (from coarse to fine), all of them solved."""
     *coarse, fine = rings
     names = [f"r{fine}.msh", "--coarse", *(f"r{fine}_{count}.msh" for count in coarse)]
@@ -44,10 +44,10 @@ def solved(folder, rings):
     return json.loads((folder / out / "ffr.json").read_text())["meshes"]
 
 
-def sequence(case, folder, reference=None):
+def sequence_rows(case, folder, reference=None):
     """Rows of the table for the lumen in `folder`; reference: FFR, else that of the finest mesh."""
-    meshes = [*zip(SEQUENCE, solved(folder, SEQUENCE))]
-    finest = solved(folder, (*SEQUENCE[-2:], FINEST))[-1]
+    meshes = [*zip(SEQUENCE, solve_meshes(folder, SEQUENCE))]
+    finest = solve_meshes(folder, (*SEQUENCE[-2:], FINEST))[-1]
     meshes.append((FINEST, finest))
     truth = finest["ffr"] if reference is None else reference
     rows, cpu, answered = [], 0.0, False
@@ -74,31 +74,31 @@ def sequence(case, folder, reference=None):
     return rows, truth
 
 
-def of_tube(table):
+def tube_rows(table):
     """Rows of simpleFoam on the tube, from the table of against_openfoam.py."""
     return [
-        other(TUBE, row["resolution"], row["cells"], row["solve_cpu_s"], row["ffr"], float(row["error"]))
-        for row in read(table)
+        simplefoam_row(TUBE, row["resolution"], row["cells"], row["solve_cpu_s"], row["ffr"], float(row["error"]))
+        for row in read_table(table)
         if row["solver"] == "OpenFOAM" and row["outcome"] == "converged"
     ]
 
 
-def of_tree(table, case, truth):
+def tree_rows(table, case, truth):
     """Rows of simpleFoam on a state `case` ("<case> <state>"), from the table of against_openfoam_tree.py."""
     return [
-        other(case, row["mesh"], row["cells"], row["cpu_s"], row["ffr"], float(row["ffr"]) - truth)
-        for row in read(table)
-        if row["state"] == case and float(row["scatter"]) < SETTLED
+        simplefoam_row(case, row["mesh"], row["cells"], row["cpu_s"], row["ffr"], float(row["ffr"]) - truth)
+        for row in read_table(table)
+        if row["state"] == case and float(row["scatter"]) < SCATTER_LIMIT
     ]
 
 
-def other(case, mesh, cells, cpu, ffr, error):
+def simplefoam_row(case, mesh, cells, cpu, ffr, error):
     """A row of simpleFoam."""
     row = {"case": case, "solver": "simpleFoam", "mesh": mesh, "size": cells, "cpu_s": cpu, "ffr": ffr}
     return row | {"error": f"{error:+.5f}", "estimate": "", "answers": ""}
 
 
-def read(path):
+def read_table(path):
     """Rows of a table."""
     with open(path, newline="") as file:
         return list(csv.DictReader(file))
@@ -116,10 +116,10 @@ def draw(rows, path):
     for panel, case in zip(axes[0], cases):
         ours = [row for row in rows if row["case"] == case and row["solver"] == "vci"]
         theirs = [row for row in rows if row["case"] == case and row["solver"] != "vci"]
-        curve(panel, [r for r in ours if r["error"]], "error", "o-", color="#0a5a94", label="vci, error")
+        plot_column(panel, [r for r in ours if r["error"]], "error", "o-", color="#0a5a94", label="vci, error")
         style = {"color": "#0a5a94", "markerfacecolor": "none", "alpha": 0.7, "label": "vci, estimate"}
-        curve(panel, [r for r in ours if r["estimate"]], "estimate", "s--", **style)
-        curve(panel, theirs, "error", "^", color="#c4622d", label="OpenFOAM's simpleFoam, error")
+        plot_column(panel, [r for r in ours if r["estimate"]], "estimate", "s--", **style)
+        plot_column(panel, theirs, "error", "^", color="#c4622d", label="OpenFOAM's simpleFoam, error")
         for row in ours:
             at = float(row["cpu_s"]), abs(float(row["error"] or row["estimate"]))
             panel.annotate(row["mesh"], at, textcoords="offset points", xytext=(5, 5), fontsize=7)
@@ -136,7 +136,7 @@ def draw(rows, path):
     pyplot.close(figure)
 
 
-def curve(panel, rows, column, style, **options):
+def plot_column(panel, rows, column, style, **options):
     """Draws the sizes of a column against CPU seconds."""
     if rows:
         panel.plot([float(r["cpu_s"]) for r in rows], [abs(float(r[column])) for r in rows], style, **options)
@@ -151,13 +151,13 @@ def main():
     parser.add_argument("--openfoam-tree", type=pathlib.Path, help="table of against_openfoam_tree.py")
     options = parser.parse_args()
     hard_cases.write(TUBE, options.out / TUBE)
-    rows, _ = sequence(TUBE, options.out / TUBE, hard_cases.STRAIGHT[TUBE].reference(hard_cases.FLOW))
-    rows += of_tube(options.openfoam_tube) if options.openfoam_tube else []
+    rows, _ = sequence_rows(TUBE, options.out / TUBE, hard_cases.STRAIGHT[TUBE].reference(hard_cases.FLOW))
+    rows += tube_rows(options.openfoam_tube) if options.openfoam_tube else []
     for state in options.states:
         case, folder = f"{state.parent.name} {state.name}", options.out / f"{state.parent.name}_{state.name}"
-        hard_cases.copy(state, folder)
-        own, truth = sequence(case, folder)
-        rows += own + (of_tree(options.openfoam_tree, case, truth) if options.openfoam_tree else [])
+        hard_cases.copy_state(state, folder)
+        own, truth = sequence_rows(case, folder)
+        rows += own + (tree_rows(options.openfoam_tree, case, truth) if options.openfoam_tree else [])
     growth.write(options.out / "speed_error.csv", COLUMNS, rows)
     draw(rows, options.out / "speed_error.png")
 

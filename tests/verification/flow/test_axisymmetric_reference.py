@@ -50,7 +50,7 @@ def test_axisymmetric_solution(reduction, cells, tolerance):
 
 def _write(folder, reduction):
     radius = tubes.lesion(1.6, reduction, THROAT, 10)
-    tubes.write_case(folder, tubes.tube(LENGTH, radius, 0.4), [tubes.line(LENGTH, radius)])
+    tubes.write_case(folder, tubes.tube(LENGTH, radius, 0.4), [tubes.centre_branch(LENGTH, radius)])
 
 
 @pytest.mark.slow
@@ -63,7 +63,7 @@ def test_lesion(tmp_path, run_module, reduction, tolerance, most, least):
     _write(tmp_path, reduction)
     (tmp_path / "boundary.json").write_text(json.dumps(_document()))
     line = ["--centreline", tmp_path / "centreline.vtp"]
-    meshes = [tmp_path / "mesh.msh", "--coarse", *(tmp_path / name for name in hard_cases.COARSE)]
+    meshes = [tmp_path / "mesh.msh", "--coarse", *(tmp_path / name for name in hard_cases.COARSE_MESHES)]
     done = run_module("flow", "mesh", tmp_path / "lumen.vtp", *line, "--out", *meshes)
     assert done.returncode == 0, done.stderr
     done = run_module(
@@ -78,8 +78,8 @@ def test_lesion(tmp_path, run_module, reduction, tolerance, most, least):
     estimate = answer["error_estimate"]["ffr"]
     assert 0.5 * abs(answer["ffr"] - REFERENCE[reduction]) <= estimate <= answer["ffr_tolerance"]
     assert answer["iterations"] <= most
-    table, (error, estimate) = errors_along.compared(hard_cases.single(reduction), tmp_path / "out")
-    found = errors_along.figures(hard_cases.single(reduction), table)
+    table, (error, estimate) = errors_along.with_errors(hard_cases.single_lesion(reduction), tmp_path / "out")
+    found = errors_along.row_figures(hard_cases.single_lesion(reduction), table)
     print("along", found, "outlet", error, estimate)
     assert abs(error) <= estimate <= 0.005
     assert found["share"] >= 0.95 and found["least_ratio"] >= least

@@ -62,7 +62,7 @@ def _space(path):
     W = compat.function_space(
         mesh, compat.mixed_element(compat.vector_element(mesh, 2), compat.scalar_element(mesh, 1))
     )
-    return types.SimpleNamespace(mesh=mesh, facets=facets, W=W, outlets=[OUTLET])
+    return types.SimpleNamespace(mesh=mesh, facet_tags=facets, W=W, outlet_tags=[OUTLET])
 
 
 def _conditions(space):
@@ -71,7 +71,7 @@ def _conditions(space):
     profile.interpolate(lambda x: np.stack([6 * MEAN * x[1] * (HEIGHT - x[1]) / HEIGHT**2, 0 * x[0]]))
 
     def condition(value, tag):
-        dofs = fem.locate_dofs_topological((space.W.sub(0), V), 1, space.facets.find(tag))
+        dofs = fem.locate_dofs_topological((space.W.sub(0), V), 1, space.facet_tags.find(tag))
         return fem.dirichletbc(value, dofs, space.W.sub(0))
 
     return [condition(profile, INLET), condition(fem.Function(V), WALL), condition(fem.Function(V), CYLINDER)]
@@ -79,7 +79,7 @@ def _conditions(space):
 
 def _force(space, residual, direction):
     """Force of the fluid on the cylinder: the residual's entries where the cylinder holds the velocity."""
-    facets = space.facets.find(CYLINDER)
+    facets = space.facet_tags.find(CYLINDER)
     dofs = fem.locate_dofs_topological(space.W.sub(0).sub(direction), 1, facets)
     return -residual.array[np.unique(dofs)].sum()
 

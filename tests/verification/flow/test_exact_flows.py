@@ -55,7 +55,7 @@ def _solve(folder, surface, branches, document, parents=None, options=(), tolera
 
 def test_poiseuille(tmp_path):
     length, radius, viscosity = 8.0, 1.2, 0.004
-    branches = [tubes.line(length, lambda s: radius)]
+    branches = [tubes.centre_branch(length, lambda s: radius)]
     document = _document(branches, [2e10], viscosity)
     answer = _solve(tmp_path, tubes.tube(length, lambda s: radius, 0.2), branches, document)
     flow = answer["inlet_flow_m3_per_s"]
@@ -84,7 +84,7 @@ def _carreau_yasuda_slope(flow, radius, fluid):
 @pytest.mark.slow
 def test_carreau_yasuda_tube(tmp_path):
     length, radius, flow = 8.0, 1.2, 3e-8  # wall rate about 25 /s: viscosity is far from both of its limits there
-    branches = [tubes.line(length, lambda s: radius)]
+    branches = [tubes.centre_branch(length, lambda s: radius)]
     document = _document(branches, [400.0 / flow], 0.004, 5000.0, 4600.0)
     document["viscosity"] = viscosity.from_settings(settings.make(viscosity_model="carreau_yasuda"))
     surface = tubes.tube(length, lambda s: radius, 0.2)
@@ -92,7 +92,7 @@ def test_carreau_yasuda_tube(tmp_path):
     line = pd.read_csv(tmp_path / "pullback.csv")
     inner = line[(line["s_mm"] > 4.2) & (line["s_mm"] < 7.2)]  # where the inlet's parabola has become this fluid's
     slope = -np.polyfit(inner["s_mm"] * 1e-3, inner["pressure_pa"], 1)[0]
-    fluid = viscosity.of(document)
+    fluid = viscosity.from_document(document)
     expected = _carreau_yasuda_slope(answer["inlet_flow_m3_per_s"], radius * 1e-3, fluid)
     print("slope", slope, "expected", expected)
     assert slope == pytest.approx(expected, rel=2e-3)
@@ -134,7 +134,7 @@ def _lesion(transform, scale=1.0):
     """(Surface, [Branch]) of a bent tube with a lesion, its points mapped by the matrix `transform`."""
     length, axis = 16.0, tubes.arc(0.03)
     radius = tubes.lesion(1.2, 0.5, 6.0, 6.0)
-    surface, line = tubes.tube(length, radius, 0.35, axis), tubes.line(length, radius, axis)
+    surface, line = tubes.tube(length, radius, 0.35, axis), tubes.centre_branch(length, radius, axis)
     triangles = surface.triangles if np.linalg.det(transform) > 0 else surface.triangles[:, ::-1]
     moved = Surface(surface.points @ transform.T, triangles, surface.region)
     points = line.points @ transform.T

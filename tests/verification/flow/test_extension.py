@@ -17,7 +17,7 @@ NAME = "outlet_2d_behind_62"
 def test_ffr_is_that_of_the_long_vessel(tmp_path, run_module):
     hard_cases.write(NAME, tmp_path)
     line = ["--centreline", tmp_path / "centreline.vtp"]
-    meshes = [tmp_path / "mesh.msh", "--coarse", *(tmp_path / name for name in hard_cases.COARSE)]
+    meshes = [tmp_path / "mesh.msh", "--coarse", *(tmp_path / name for name in hard_cases.COARSE_MESHES)]
     for command in (
         ["mesh", tmp_path / "lumen.vtp", *line, "--out", *meshes],
         ["solve", *meshes, *line, "--boundary", tmp_path / "boundary.json", "--out", tmp_path],

@@ -43,7 +43,7 @@ def _space(folder, rings):
     """LumenSpace of a swept mesh with `rings` rings and sections in proportion."""
     axis = tubes.arc(0.05)
     lumen = tubes.tube(LENGTH, lambda s: RADIUS, 0.3, axis)
-    tree = centreline.Tree([tubes.line(LENGTH, lambda s: RADIUS, axis)])
+    tree = centreline.Tree([tubes.centre_branch(LENGTH, lambda s: RADIUS, axis)])
     built, report = mesh.build(
         lumen, tree, 2.5, settings.make(stations_plain=STATIONS, stations_throat=STATIONS), rings, 3.0 / rings
     )
@@ -122,7 +122,7 @@ def _interpolant(space):
 
 def _conditions(space, free):
     """Exact velocity on the boundary but for the outlet `free`; where there is none exact pressure at one node."""
-    exact, facets = _interpolant(space), space.facets
+    exact, facets = _interpolant(space), space.facet_tags
     held = facets.indices if free is None else facets.indices[facets.values != free]
     boundary = fem.locate_dofs_topological(space.W.sub(0), 2, held)
     fixed = np.union1d(boundary, space.q_map[:1] if free is None else []).astype(np.int32)
@@ -170,7 +170,7 @@ def test_errors_at_a_branch_point_are_those_of_the_interpolant(tmp_path):
     whole, shares, gradients = _junction(), [], []
     for built in (whole, _cut(whole)):
         space = _written(built, tmp_path / "junction.msh")
-        found = _errors(space, _solved(space, space.outlets[0]))
+        found = _errors(space, _solved(space, space.outlet_tags[0]))
         shares.append(np.divide(found, _errors(space, _interpolant(space))))
         gradients.append(found[2])
     print("errors over the interpolant's", shares, "gradient", gradients)

@@ -37,7 +37,7 @@ PERIODS = 3.0  # the start has died away by exp(-11)
 def problem(tmp_path_factory):
     """A straight tube with given inflow."""
     path = tmp_path_factory.mktemp("womersley") / "mesh.msh"
-    tree = centreline.Tree([tubes.line(LENGTH, lambda s: RADIUS)])
+    tree = centreline.Tree([tubes.centre_branch(LENGTH, lambda s: RADIUS)])
     chosen = settings.make()
     built, _ = mesh.build(tubes.tube(LENGTH, lambda s: RADIUS, 0.4), tree, 2.5, chosen, 4, 1.0)
     mesh.write(built, path)
@@ -74,7 +74,7 @@ def _errors(problem, steps_a_period):
     while stepper.steps < PERIODS * steps_a_period:
         problem.boundaries.inflow = MEAN_FLOW * (1 + SWING * np.cos(OMEGA * (stepper.time + dt)))
         stepper.step(dt)
-        sampler.take(problem.space, problem.state.x.array)
+        sampler.set_state(problem.space, problem.state.x.array)
         before, behind = sampler(points)[1]
         errors.append(before - behind - _exact(stepper.time))
     stepper.destroy()

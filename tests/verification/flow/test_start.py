@@ -60,7 +60,7 @@ def test_files_that_are_no_state_of_the_vessel_are_refused(states, tmp_path, cap
     shutil.copytree(other / "flow", tmp_path / "flow")
     lone = tmp_path / "lone"
     lone.mkdir()
-    branch = tubes.line(20.0, lambda s: 1.5 + 0 * s)
+    branch = tubes.centre_branch(20.0, lambda s: 1.5 + 0 * s)
     tubes.write_case(lone, tubes.tube(20.0, lambda s: 1.5 + 0 * s), [branch], None)
     (tmp_path / "reduced").mkdir()
     shutil.copy(other / "flow" / "solution.vtu", tmp_path / "reduced")

@@ -29,7 +29,7 @@ def children_seconds():
 def row(case, tolerance, folder):
     """Row of the table; the case is written, meshed and solved in `folder`."""
     hard_cases.write(case, folder)
-    line, meshes = ["--centreline", "centreline.vtp"], ["mesh.msh", "--coarse", *hard_cases.COARSE]
+    line, meshes = ["--centreline", "centreline.vtp"], ["mesh.msh", "--coarse", *hard_cases.COARSE_MESHES]
     begin = children_seconds()
     growth.command(folder, "mesh", "lumen.vtp", *line, "--out", *meshes)
     meshed = children_seconds() - begin
@@ -37,7 +37,7 @@ def row(case, tolerance, folder):
     growth.command(folder, *solve, "--out", tolerance, "--ffr-tolerance", tolerance)
     answer = json.loads((folder / tolerance / "ffr.json").read_text())
     report = json.loads((folder / "mesh.json").read_text())
-    rings = {file: str(part["rings"]) for file, part in zip(hard_cases.COARSE, report["coarse"])}
+    rings = {file: str(part["rings"]) for file, part in zip(hard_cases.COARSE_MESHES, report["coarse"])}
     rings["mesh.msh"] = str(report["rings"])
     error = answer["ffr"] - hard_cases.STRAIGHT[case].reference(answer["inlet_flow_m3_per_s"])
     estimate = answer["error_estimate"]["ffr"]

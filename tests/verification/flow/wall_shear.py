@@ -21,13 +21,13 @@ import axisymmetric  # noqa: E402
 import growth  # noqa: E402
 import hard_cases  # noqa: E402
 
-CASE, LESION, BEHIND = "single_62", (15.0, 25.0), (26.0, 45.0)  # mm
+CASE, LESION_RANGE, BEHIND_LESION = "single_62", (15.0, 25.0), (26.0, 45.0)  # mm
 # The reference's wall shear stress on hard_cases.REFERENCE_CELLS is within .3 % of the peak of that on 200 by 20 cells.
 COLUMNS = ("rings", "wall_layers", "dofs", "ffr_error", "lesion_rms_percent", "lesion_largest_percent")
 COLUMNS += ("peak_error_percent", "behind_rms_pa", "cpu_s")
 
 
-def at_wall(folder, out):
+def wall_stress(folder, out):
     """(s (n,) in mm, stress (n,) in Pa, positive downstream) at the wall's nodes of a solved tube along x."""
     solution = meshio.read(folder / out / "solution.vtu")
     stress = solution.point_data["wall_shear_stress_pa"]
@@ -36,14 +36,14 @@ def at_wall(folder, out):
     return solution.points[wall, 0], size[wall] * np.sign(stress[wall, 0])
 
 
-def compared(s_mm, stress, flow):
+def error_columns(s_mm, stress, flow):
     """Columns of the table that compare the stress at the wall's nodes with the reference at the inflow `flow`."""
     case = hard_cases.STRAIGHT[CASE]
     tube = axisymmetric.Tube(case.radius, case.length, case.throat, case.case()[3], hard_cases.REFERENCE_CELLS)
-    places = np.arange(LESION[0], BEHIND[1] + 0.05, 0.1)
+    places = np.arange(LESION_RANGE[0], BEHIND_LESION[1] + 0.05, 0.1)
     along = tube.wall_shear(places, flow)
     error, peak = stress - np.interp(s_mm, places, along), along.max()
-    lesion, behind = ((s_mm > low) & (s_mm < high) for low, high in (LESION, BEHIND))
+    lesion, behind = ((s_mm > low) & (s_mm < high) for low, high in (LESION_RANGE, BEHIND_LESION))
     rms = [float(np.sqrt(np.mean(error[chosen] ** 2))) for chosen in (lesion, behind)]
     level = np.round(s_mm, 2)  # of a ring of nodes
     highest = max(stress[level == one].mean() for one in np.unique(level[lesion]))
@@ -71,7 +71,7 @@ def row(folder, rings, layers):
         "wall_layers": layers,
         "dofs": answer["dofs"],
         "ffr_error": f"{answer['ffr'] - reference:+.4f}",
-        **compared(*at_wall(folder, name), answer["inlet_flow_m3_per_s"]),
+        **error_columns(*wall_stress(folder, name), answer["inlet_flow_m3_per_s"]),
         "cpu_s": f"{answer['cpu_seconds']:.0f}",
     }
 

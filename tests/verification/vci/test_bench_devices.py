@@ -38,7 +38,7 @@ def test_shipped_stents_recoil_and_crush_as_stated(binary, repo_root, tmp_path, 
     stents = [name for name, family in families.items() if family["kind"] == "stent"]
     assert stents
     for name in stents:
-        devices = catalogue.entries(families, name, diameter, 8, "test")
+        devices = catalogue.device_entries(families, name, diameter, 8, "test")
         stent = next(key for key, entry in devices.items() if entry["kind"] == "stent")
         rows = crush(binary("vci"), devices, stent, tmp_path)
         assert sorted(rows) == [1, 2, 5, 10]

@@ -40,14 +40,14 @@ double moment_on(System& system, const RingGrid& grid, const Frame& held) {
   Vectors elastic, foundation, pressure;
   system.evaluate(elastic, foundation, pressure, false);
   Vec3 moment = Vec3::Zero();
-  for (int i = first_held(grid) * grid.around; i < system.vertices(); ++i)
+  for (int i = first_held(grid) * grid.ring_size; i < system.vertices(); ++i)
     moment += (system.x[i] - held.origin).cross(elastic[i] + pressure[i]);
   return std::abs(moment.y());
 }
 
 void balance(System& system, const RingGrid& grid, double tolerance) {
   for (int i = 0; i < system.vertices(); ++i)
-    system.fixed[i] = std::abs(grid.s[i / grid.around]) > half_length;
+    system.fixed[i] = std::abs(grid.s[i / grid.ring_size]) > half_length;
   Interactions none;
   IntegratorSettings settings;
   settings.residual_tolerance = tolerance;
@@ -57,7 +57,7 @@ void balance(System& system, const RingGrid& grid, double tolerance) {
 struct BentBalloon {
   double moment, length; ///< N mm; mm between the held rings
   double radius;         ///< mm, by the chart
-  int around;
+  int ring_size;
 };
 
 /// A 3 mm balloon under pressure (MPa) whose ends are held on an arc of curvature k (1/mm).
@@ -75,7 +75,7 @@ BentBalloon bent_balloon(double pressure, double k) {
   Balloon balloon = add_balloon(system, spec, grid, frames, radii);
   set_pressure(balloon, pressure);
   balance(system, grid, 1e-5);
-  return {moment_on(system, grid, frames[ring]), 2 * grid.s[ring], radius, grid.around};
+  return {moment_on(system, grid, frames[ring]), 2 * grid.s[ring], radius, grid.ring_size};
 }
 
 /// Stiffness of all axial fibres together (N): their number was set at the nominal diameter of 3 mm.
@@ -88,7 +88,7 @@ TEST(Bending, TautBalloonIsAnEulerBernoulliBeam) {
     const double stiffness = 0.5 * all_fibres * b.radius * b.radius; // pi R^3 times stiffness per circumference
     // The pressure that acts on the polygon of a ring pushes more than the fibres pull, which leave out the open tips:
     // a beam column between clamps turned against one another.
-    const double circle = pi * b.radius * b.radius, polygon = 0.5 * b.around * std::sin(2 * pi / b.around) / pi;
+    const double circle = pi * b.radius * b.radius, polygon = 0.5 * b.ring_size * std::sin(2 * pi / b.ring_size) / pi;
     const double push = pressure * circle * (polygon - (1 - tip * tip));
     const double half = 0.5 * b.length * std::sqrt(push / stiffness);
     EXPECT_NEAR(b.moment / (k * stiffness * half / std::tan(half)), 1, 0.02) << pressure << " MPa";
@@ -101,10 +101,10 @@ TEST(Bending, BalloonWrinklesWhereItsInnerFibresGoSlack) {
     const BentBalloon b = bent_balloon(pressure, k);
     const double pull = pressure * pi * b.radius * b.radius * (1 - tip * tip);
     double moment = 0;
-    for (int i = 0; i < b.around; ++i) {
-      const double lever = b.radius * std::cos(2 * pi * i / b.around), strain = std::log1p(k * lever);
+    for (int i = 0; i < b.ring_size; ++i) {
+      const double lever = b.radius * std::cos(2 * pi * i / b.ring_size), strain = std::log1p(k * lever);
       const double slack = std::min(0.0, strain + pull / all_fibres); // beyond it 2 % of the stiffness is left
-      moment += (all_fibres * (strain - 0.98 * slack) / (1 + k * lever) + pull) * lever / b.around;
+      moment += (all_fibres * (strain - 0.98 * slack) / (1 + k * lever) + pull) * lever / b.ring_size;
     }
     EXPECT_NEAR(b.moment / moment, 1, 0.02) << k << " /mm";
     EXPECT_LT(b.moment, 0.85 * k * 0.5 * all_fibres * b.radius * b.radius) << "it wrinkles";

@@ -59,8 +59,8 @@ def test_the_fine_surface_is_written_and_the_coarse_one_beside_it(runs):
     before = vtp.read_triangles(runs[0].parent / "fine" / "lumen.vtp", "")
     alone, carried = (vtp.read_triangles(folder / "lumen.vtp", "") for folder in runs)
     assert np.array_equal(vtp.triangles(carried), vtp.triangles(before))
-    away = np.linalg.norm(vtp.points(carried) - vtp.points(alone), axis=1)
-    assert np.sqrt(np.mean(away**2)) < 0.03
+    distances = np.linalg.norm(vtp.points(carried) - vtp.points(alone), axis=1)
+    assert np.sqrt(np.mean(distances**2)) < 0.03
     names = {
         data.GetPointData().GetArrayName(k)
         for data in [carried]
@@ -80,7 +80,7 @@ def test_the_stent_is_read_out_as_on_the_fine_lumen(runs):
     assert carried["expansion_index"] == pytest.approx(alone["expansion_index"], rel=0.015)
 
 
-class Cut(scenes.Tube):
+class TubePart(scenes.Tube):
     """The tube COARSE between the arc lengths `begin` and `end` (mm)."""
 
     def __init__(self, begin, end):
@@ -95,7 +95,7 @@ class Cut(scenes.Tube):
 
 
 @pytest.mark.parametrize(
-    "other", [scenes.Tube(length=24, edge=0.8, lesion_length=8), Cut(0, 20)], ids=["straight", "shorter by 4 mm"]
+    "other", [scenes.Tube(length=24, edge=0.8, lesion_length=8), TubePart(0, 20)], ids=["straight", "shorter by 4 mm"]
 )
 def test_another_vessel_is_refused_before_any_stage(binary, tmp_path, other):
     """Its wall is farther than a radius from a point of the lumen, which it cannot carry. Exit code 2, no results."""
@@ -107,7 +107,7 @@ def test_another_vessel_is_refused_before_any_stage(binary, tmp_path, other):
 
 def test_a_lumen_that_is_a_little_shorter_carries_it(binary, tmp_path, runs):
     """Its ends are 1 mm within those of the lumen. The treated segment comes out the same."""
-    result = deploy(binary, scene_with(tmp_path, FINE, Cut(1, 23)), tmp_path / "out")
+    result = deploy(binary, scene_with(tmp_path, FINE, TubePart(1, 23)), tmp_path / "out")
     assert result.returncode == 0, result.stderr[-500:]
     assert areas(tmp_path / "out").mean() == pytest.approx(areas(runs[0]).mean(), rel=0.01)
 

@@ -12,11 +12,11 @@ from common import vtp
 
 pytestmark = pytest.mark.slow
 
-EDGES = [0.4, 0.6]  # mm; the study's is 0.4
-DEEPEST = 0.05  # mm, wanted in hard cases
+EDGES_MM = [0.4, 0.6]  # mm; the study's is 0.4
+DEEPEST_MM = 0.05  # mm, wanted in hard cases
 
 
-@pytest.fixture(scope="module", params=EDGES)
+@pytest.fixture(scope="module", params=EDGES_MM)
 def culotte(request, binary, run_module, repo_root, tmp_path_factory):
     """Folder of the results of config/cases/culotte_bench.yaml with the lumen at an edge."""
     edge = request.param
@@ -31,8 +31,8 @@ def culotte(request, binary, run_module, repo_root, tmp_path_factory):
         result = subprocess.run([str(c) for c in command], text=True, capture_output=True, timeout=400)
         assert result.returncode == 0, result.stderr
 
-    made = run_module("data_synthetic", "generate", case, "--out", folder / "source", timeout=200)
-    assert made.returncode == 0, made.stderr
+    generated = run_module("data_synthetic", "generate", case, "--out", folder / "source", timeout=200)
+    assert generated.returncode == 0, generated.stderr
     call([binary("lumen"), "process", folder / "source/lumen.vtp", "--units", "mm", "--edge", edge, "--out", anatomy])
     devices = repo_root / "config" / "devices"
     planned = run_module("anatomy", "plan", case, "--anatomy", anatomy, "--devices", devices, "--out", plan, timeout=60)
@@ -41,7 +41,7 @@ def culotte(request, binary, run_module, repo_root, tmp_path_factory):
     return folder / "out"
 
 
-def closed(surface):
+def close_ends(surface):
     """A device's tube with its ends filled, outward."""
     holes, normals = vtk.vtkFillHolesFilter(), vtk.vtkPolyDataNormals()
     holes.SetInputData(surface)
@@ -53,7 +53,7 @@ def closed(surface):
     return normals.GetOutput()
 
 
-def distances(points, surface):
+def signed_distances(points, surface):
     """Signed distances (mm) of a surface's points from another one, positive outside."""
     field = vtk.vtkImplicitPolyDataDistance()
     field.SetInput(surface)
@@ -69,7 +69,7 @@ def test_every_stage_balances(culotte):
 
 def test_nothing_is_pierced(culotte):
     stages = json.loads((culotte / "deployment.json").read_text())["stages"]
-    assert max(s["max_penetration_mm"] for s in stages) <= DEEPEST
+    assert max(s["max_penetration_mm"] for s in stages) <= DEEPEST_MM
 
 
 def test_no_device_leaves_the_lumen_in_any_stage(culotte):
@@ -79,10 +79,10 @@ def test_no_device_leaves_the_lumen_in_any_stage(culotte):
     for n in range(len(stages)):
         lumen = vtp.read(culotte / "frames" / f"frame_lumen_{n:04d}.vtp", "")
         for device in sorted((culotte / "frames").glob(f"frame_device*_{n:04d}.vtp")):
-            apart = distances(vtp.read(device, ""), lumen)
-            furthest[f"{stages[n]['step']} / {stages[n]['stage']}, {device.stem}"] = apart.max()
+            distance = signed_distances(vtp.read(device, ""), lumen)
+            furthest[f"{stages[n]['step']} / {stages[n]['stage']}, {device.stem}"] = distance.max()
             seen += 1
-            assert apart.min() < -0.5, "the sign says which side is out"
+            assert distance.min() < -0.5, "the sign says which side is out"
     assert seen > len(stages), "balloons with stents"
     worst = max(furthest, key=furthest.get)
     assert furthest[worst] < 0.05, f"{furthest[worst]:.3f} mm outside: {worst}"
@@ -90,15 +90,15 @@ def test_no_device_leaves_the_lumen_in_any_stage(culotte):
 
 def test_kissing_balloons_press_on_one_another_without_overlapping(culotte):
     one, other = (vtp.read(culotte / "devices" / f"kissing_balloon{k}.vtp", "") for k in (1, 2))
-    apart = np.concatenate([distances(one, closed(other)), distances(other, closed(one))])
-    assert apart.min() > -0.03, "mm; contact begins at 0.0125"
-    assert (apart < 0.05).sum() > 10, "they touch"
+    distance = np.concatenate([signed_distances(one, close_ends(other)), signed_distances(other, close_ends(one))])
+    assert distance.min() > -0.03, "mm; contact begins at 0.0125"
+    assert (distance < 0.05).sum() > 10, "they touch"
 
 
 def test_both_stents_lie_in_the_lumen_and_the_second_begins_in_the_first(culotte):
     lumen = vtp.read(culotte / "lumen.vtp", "")
     first, second = (vtp.read(culotte / "devices" / f"stent{k}.vtp", "") for k in (1, 2))
     for stent in (first, second):
-        assert distances(stent, lumen).max() < 0.05
-    inside = distances(second, closed(first)) < 0.1
+        assert signed_distances(stent, lumen).max() < 0.05
+    inside = signed_distances(second, close_ends(first)) < 0.1
     assert 0.15 < inside.mean() < 0.85, "part of it lies in the main branch's stent, part has left it"

@@ -10,7 +10,7 @@ import subprocess
 
 import pytest
 
-from fuzz_corpus import NUMERICS, TUBE, flipped, odd_value
+from fuzz_corpus import NUMERICS, TUBE, mutate_bytes, replace_with_odd_value
 from vci.benchmarks import scenes
 
 MUTANTS = int(os.environ.get("VCI_FUZZ_MUTANTS", 60))
@@ -61,7 +61,7 @@ def test_bytes(binary, scene, name):
     content, numbers = file.read_bytes(), random.Random(name + SEED)
     try:
         for k in range(MUTANTS):
-            file.write_bytes(flipped(content, numbers))
+            file.write_bytes(mutate_bytes(content, numbers))
             assert_answers(binary("vci"), scene, f"{name}, mutant {k}")
     finally:
         file.write_bytes(content)
@@ -72,7 +72,7 @@ def test_values_of_the_scene(binary, scene):
     content, numbers = scene.read_text(), random.Random(5 if not SEED else SEED)
     try:
         for k in range(2 * MUTANTS):
-            mutant, what = odd_value(content, numbers)
+            mutant, what = replace_with_odd_value(content, numbers)
             scene.write_text(mutant)
             assert_answers(binary("vci"), scene, f"mutant {k}: {what}")
     finally:

@@ -6,7 +6,7 @@ import subprocess
 import pytest
 
 from fuzz_corpus import READERS, mutants, seeds
-from fuzz_runs import answered
+from fuzz_runs import count_read_files
 
 MUTANTS = int(os.environ.get("VCI_FUZZ_TARGET_MUTANTS", 400))
 SEED = os.environ.get("VCI_FUZZ_SEED", "")
@@ -20,9 +20,9 @@ def files():
 @pytest.mark.parametrize("reader", READERS)
 def test_each_reader_answers_or_refuses(binary, files, tmp_path, reader):
     target = binary(f"vci_fuzz_{reader}")
-    assert answered(target, tmp_path / "seeds", files[reader]) == len(files[reader])
+    assert count_read_files(target, tmp_path / "seeds", files[reader]) == len(files[reader])
     damaged = {f"mutant_{k}": content for k, content in enumerate(mutants(reader, files[reader], MUTANTS, SEED))}
-    assert answered(target, tmp_path / "mutants", damaged) < MUTANTS
+    assert count_read_files(target, tmp_path / "mutants", damaged) < MUTANTS
 
 
 @pytest.mark.slow

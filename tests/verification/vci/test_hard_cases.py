@@ -7,12 +7,12 @@ import subprocess
 import numpy as np
 import pytest
 
-from vci.benchmarks.hard_cases import CASES, MEAN_LIMIT_MM, NAMES, WORST_LIMIT_MM, reason_of
+from vci.benchmarks.hard_cases import CASE_NAMES, CASES, MEAN_LIMIT_MM, WORST_LIMIT_MM, refusal_reason
 from vci.benchmarks.scenes import Tube, write_scene
 
 TOLERANCE = 3e-3
 # Few vertices bear these, and the one-sided law lets each in by its load: the mean over them is above its limit.
-HARD = {
+ABOVE_MEAN_LIMIT = {
     "stenosis 90 %",
     "calcium x1000, concentric, 0.5 mm",
     "90 %, eccentric, calcium x1000",
@@ -25,10 +25,10 @@ HARD = {
 @pytest.fixture(scope="module")
 def table(binary, run_module, tmp_path_factory):
     """table(names) -> rows of hard_cases.csv by case; computed once."""
-    done = {}
+    computed = {}
 
     def rows(names):
-        missing = [n for n in names if n not in done]
+        missing = [n for n in names if n not in computed]
         if missing:
             out = tmp_path_factory.mktemp("hard")
             build = binary("vci").parent
@@ -37,25 +37,25 @@ def table(binary, run_module, tmp_path_factory):
             )
             assert result.returncode == 0, result.stderr
             with (out / "hard_cases.csv").open() as file:
-                done.update({row["case"]: row for row in csv.DictReader(file)})
-        return {n: done[n] for n in names}
+                computed.update({row["case"]: row for row in csv.DictReader(file)})
+        return {n: computed[n] for n in names}
 
     return rows
 
 
 # at 0.25 mm they take three times as long; the culotte has tests of its own
-QUICK = [case for case in NAMES if "0.25 mm" not in case and case != "culotte"]
+QUICK_CASES = [case for case in CASE_NAMES if "0.25 mm" not in case and case != "culotte"]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", QUICK)
+@pytest.mark.parametrize("case", QUICK_CASES)
 def test_case_balances(table, case):
     row = table([case])[case]
     assert row["outcome"] == "balanced", row["reason"]
     assert 0 < float(row["residual"]) <= TOLERANCE
 
 
-@pytest.mark.parametrize("case", QUICK)
+@pytest.mark.parametrize("case", QUICK_CASES)
 def test_no_vertex_is_deep(table, case):
     assert float(table([case])[case]["worst_penetration_mm"]) <= WORST_LIMIT_MM
 
@@ -63,8 +63,8 @@ def test_no_vertex_is_deep(table, case):
 @pytest.mark.parametrize("limit", [0.03, 0.04])
 def test_a_stage_ends_only_when_no_vertex_is_deeper_than_asked(binary, tmp_path, limit):
     """If nothing is asked, the case is 0.041 to 0.051 mm deep, by the first step's length and the processor."""
-    tube, how = CASES["90 %, eccentric, calcium x1000"]
-    scene = write_scene(tmp_path, tube, **(how | {"numerics": {"maximal_penetration_mm": limit}}))
+    tube, scene_options = CASES["90 %, eccentric, calcium x1000"]
+    scene = write_scene(tmp_path, tube, **(scene_options | {"numerics": {"maximal_penetration_mm": limit}}))
     command = [binary("vci"), "deploy", scene, "--out", tmp_path / "out"]
     result = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert result.returncode == 0, result.stderr
@@ -72,13 +72,13 @@ def test_a_stage_ends_only_when_no_vertex_is_deeper_than_asked(binary, tmp_path,
     assert 0.02 < max(stage["max_penetration_mm"] for stage in stages) <= limit
 
 
-def known(cases, which):
-    """The cases as parameters, those of `which` expected to break their limit."""
+def expected_failures(cases, failing):
+    """The cases as parameters, those of `failing` expected to break their limit."""
     mark = pytest.mark.xfail(strict=True, reason="deeper than wanted: vci/measured.md")
-    return [pytest.param(case, marks=mark if case in which else ()) for case in cases]
+    return [pytest.param(case, marks=mark if case in failing else ()) for case in cases]
 
 
-@pytest.mark.parametrize("case", known(QUICK, HARD))
+@pytest.mark.parametrize("case", expected_failures(QUICK_CASES, ABOVE_MEAN_LIMIT))
 def test_mean_penetration_is_small(table, case):
     row = table([case])[case]
     assert float(row["mean_penetration_mm"]) <= MEAN_LIMIT_MM
@@ -104,7 +104,7 @@ def test_a_refusal_is_a_row_with_its_reason(binary, run_module, tmp_path):
 
 def test_reason_is_the_last_message():
     text = "switched off: x\nerror: no balance\n  where:  stage\n  value:  residual 1\n  remedy: none\n"
-    assert reason_of(text) == "error: no balance; where:  stage; value:  residual 1"
+    assert refusal_reason(text) == "error: no balance; where:  stage; value:  residual 1"
 
 
 @pytest.mark.parametrize("curvature", [0, 0.12, 0.3])
@@ -132,4 +132,4 @@ def test_generated_tube(curvature, eccentricity):
 
 
 def test_every_case_has_its_own_folder():
-    assert len({"".join(c if c.isalnum() else "_" for c in name) for name in NAMES}) == len(NAMES)
+    assert len({"".join(c if c.isalnum() else "_" for c in name) for name in CASE_NAMES}) == len(CASE_NAMES)

@@ -32,7 +32,7 @@ def refusal(binary, scene, command="deploy"):
     return result.stderr
 
 
-def changed(scene, change):
+def rewrite_lumen(scene, change):
     """Replaces lumen.vtp by change(points, triangles, arrays of the points) -> (points, triangles)."""
     path = scene.parent / "lumen.vtp"
     before = vtp.read(path, "")
@@ -49,7 +49,7 @@ def changed(scene, change):
     vtp.write(path, after)
 
 
-def flipped(points, triangles, arrays):
+def all_flipped(points, triangles, arrays):
     return points, triangles[:, ::-1]
 
 
@@ -58,59 +58,59 @@ def one_flipped(points, triangles, arrays):
     return points, triangles
 
 
-def soup(points, triangles, arrays):
+def triangle_soup(points, triangles, arrays):
     for name in arrays:
         arrays[name] = arrays[name][triangles].ravel()
     return points[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3)
 
 
-def pierced(points, triangles, arrays):
+def with_hole(points, triangles, arrays):
     centres = points[triangles].mean(1)
     return points, triangles[(abs(centres[:, 2] - 18) > 0.8) | (centres[:, 0] < 0.3)]
 
 
-def twice(points, triangles, arrays):
+def triangles_repeated(points, triangles, arrays):
     return points, np.concatenate([triangles, triangles[300:310]])
 
 
-def metres(points, triangles, arrays):
+def in_metres(points, triangles, arrays):
     return points / 1000, triangles
 
 
-def wide(points, triangles, arrays):
+def radius_five_times(points, triangles, arrays):
     arrays["radius_mm"] *= 5
     return points, triangles
 
 
-def aside(points, triangles, arrays):
+def shifted_aside(points, triangles, arrays):
     return points + [1.0, 0, 0], triangles
 
 
-def cut(points, triangles, arrays):
+def cut_short(points, triangles, arrays):
     return points, triangles[points[triangles].mean(1)[:, 2] < 14]
 
 
 @pytest.mark.parametrize(
     "change, words",
     [
-        (flipped, "face its axis"),
+        (all_flipped, "face its axis"),
         (one_flipped, "triangle 500 at"),
-        (soup, "in one place"),
-        (pierced, "has a hole"),
-        (twice, "given twice"),
-        (metres, "does not fit its radius_mm"),
-        (wide, "does not fit its radius_mm"),
-        (aside, "does not fit its radius_mm"),
-        (cut, "past the end of the lumen"),
+        (triangle_soup, "in one place"),
+        (with_hole, "has a hole"),
+        (triangles_repeated, "given twice"),
+        (in_metres, "does not fit its radius_mm"),
+        (radius_five_times, "does not fit its radius_mm"),
+        (shifted_aside, "does not fit its radius_mm"),
+        (cut_short, "past the end of the lumen"),
     ],
 )
 def test_a_lumen_that_no_vessel_has(binary, scene, change, words):
-    changed(scene, change)
+    rewrite_lumen(scene, change)
     for command in ("deploy", "radius-correct"):
         assert words in refusal(binary, scene, command)
 
 
-def passes(binary, scene):
+def assert_accepted(binary, scene):
     run = [str(binary("vci")), "radius-correct", str(scene), "--out", str(scene.parent / "out")]
     result = subprocess.run(run, text=True, capture_output=True, timeout=100)
     assert result.returncode == 0, result.stderr
@@ -119,8 +119,8 @@ def passes(binary, scene):
 
 def test_a_scene_of_the_sound_lumen_runs(binary, scene):
     """What the refusals above have in common is not the scene: rewritten without a change its lumen passes."""
-    changed(scene, lambda points, triangles, arrays: (points, triangles))
-    passes(binary, scene)
+    rewrite_lumen(scene, lambda points, triangles, arrays: (points, triangles))
+    assert_accepted(binary, scene)
 
 
 @pytest.mark.parametrize(
@@ -133,7 +133,7 @@ def test_a_scene_of_the_sound_lumen_runs(binary, scene):
     ],
 )
 def test_severe_lesions_bends_and_poor_meshes_pass(binary, tmp_path, tube):
-    passes(binary, scenes.write_scene(tmp_path, scenes.Tube(**tube), length=8.0))
+    assert_accepted(binary, scenes.write_scene(tmp_path, scenes.Tube(**tube), length=8.0))
 
 
 SIDE = np.array([[0, 0, 8.0], [2, 0, 9], [5, 0, 11], [9, 0, 14]])
@@ -160,8 +160,8 @@ def test_two_branches_of_one_name(binary, scene):
     centreline(scene, ("main", axis()), ("main", axis()[:40]))
     assert "two branches of the centreline have one name" in refusal(binary, scene)
     centreline(scene, ("main", axis()), ("side1", SIDE), ("side1", SIDE))
-    told = refusal(binary, scene)
-    assert "two branches of the centreline have one name" in told and "side1" in told
+    message = refusal(binary, scene)
+    assert "two branches of the centreline have one name" in message and "side1" in message
 
 
 def test_a_side_branch_that_ends_at_its_parent(binary, scene):
@@ -182,8 +182,8 @@ def test_a_line_whose_points_are_out_of_order(binary, scene):
 @pytest.mark.parametrize("name, words", [(".", "a folder"), ("", "a folder"), ("scene.json", "PolyData")])
 def test_a_path_that_is_no_polydata(binary, scene, key, name, words):
     scene.write_text(json.dumps(json.loads(scene.read_text()) | {key: name}))
-    told = refusal(binary, scene)
-    assert words in told and f"the {key}" in told
+    message = refusal(binary, scene)
+    assert words in message and f"the {key}" in message
 
 
 def test_a_file_cut_short_is_one_error(binary, scene):

@@ -34,7 +34,7 @@ def deploy(binary, scene, out, largest_file=None):
 
 
 @pytest.fixture(scope="module")
-def whole(binary, tmp_path_factory):
+def complete_run(binary, tmp_path_factory):
     """(scene, sizes of the files that a run writes whole, bytes)."""
     folder = tmp_path_factory.mktemp("output")
     scene = scene_in(folder)
@@ -43,18 +43,18 @@ def whole(binary, tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_a_file_cut_short_is_no_result(binary, whole, tmp_path):
+def test_a_file_cut_short_is_no_result(binary, complete_run, tmp_path):
     """The limit a byte below a file's size, from the longest down to some bytes: whichever it hits is told."""
-    scene, sizes = whole
+    scene, sizes = complete_run
     for limit in [*(size - 1 for size in sizes.values()), 1000, 50]:
         result = deploy(binary, scene, tmp_path / "out", limit)
         assert result.returncode == 3 and "cannot be written" in result.stderr, (limit, result.stderr[-500:])
         assert [f for f in (tmp_path / "out").rglob("*")] == [], limit
 
 
-def test_deployment_json_cut_short(binary, whole, tmp_path):
+def test_deployment_json_cut_short(binary, complete_run, tmp_path):
     """With a name that makes it the longest, it alone is."""
-    scene, sizes = whole
+    scene, sizes = complete_run
     document = json.loads(scene.read_text())
     document["case"] = "x" * (2 * max(sizes.values()))
     wordy = scene.with_name("wordy.json")
@@ -73,17 +73,17 @@ def test_a_folder_that_cannot_be_written_is_told_before_the_work(binary, tmp_pat
         assert "residual" not in result.stderr, "no stage was computed"
 
 
-def test_a_scene_that_is_refused_leaves_no_results_of_another(binary, whole, tmp_path):
-    scene, _ = whole
+def test_a_scene_that_is_refused_leaves_no_results_of_another(binary, complete_run, tmp_path):
+    scene, _ = complete_run
     assert deploy(binary, scene, tmp_path / "out").returncode == 0
     assert (tmp_path / "out" / "deployment.json").is_file()
     assert deploy(binary, tmp_path / "none.json", tmp_path / "out").returncode == 2
     assert not (tmp_path / "out" / "deployment.json").exists()
 
 
-def test_what_a_signal_left_goes_at_the_next_run(binary, whole, tmp_path):
+def test_what_a_signal_left_goes_at_the_next_run(binary, complete_run, tmp_path):
     """Folders of processes that are no more; another run's under way, and what is not ours, stay."""
-    scene, _ = whole
+    scene, _ = complete_run
     ended = subprocess.Popen(["true"])
     ended.wait()
     out = tmp_path / "out"

@@ -77,7 +77,7 @@ def step(name="first", device="b", action="predilatation", **changes):
 STEPS = [step(), step("second", "s", "stent", pressure_bar=11)]
 
 
-BY_ARRAYS = """
+DEPLOY_ARRAYS_SCRIPT = """
 import json, sys
 import numpy as np
 import vci
@@ -98,7 +98,7 @@ def test_same_as_the_program(binary, tmp_path):
     subprocess.run([binary("vci"), "deploy", scene, "--out", tmp_path / "out"], check=True, capture_output=True)
     environment = {**os.environ, "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-FMA4"}
     environment["PYTHONPATH"] = str(pathlib.Path(vci._engine.__file__).parents[1])
-    subprocess.run([sys.executable, "-c", BY_ARRAYS, tmp_path], check=True, env=environment, cwd=tmp_path)
+    subprocess.run([sys.executable, "-c", DEPLOY_ARRAYS_SCRIPT, tmp_path], check=True, env=environment, cwd=tmp_path)
     program = vtp.points(vtp.read_triangles(tmp_path / "out" / "lumen.vtp", ""))
     assert np.array_equal(program, np.load(tmp_path / "points.npy"))
     written, found = (json.loads((tmp_path / name).read_text()) for name in ("out/deployment.json", "readouts.json"))
@@ -144,10 +144,10 @@ def test_baseline_moves_the_wall(vessel):
     ],
 )
 def test_bad_steps_are_refused_with_the_programs_words(vessel, steps, words):
-    with pytest.raises(vci.InputError) as told:
+    with pytest.raises(vci.InputError) as raised:
         vci.deploy(vessel, DEVICES, steps)
-    assert isinstance(told.value, ValueError)
-    assert all(word in str(told.value) for word in words), told.value
+    assert isinstance(raised.value, ValueError)
+    assert all(word in str(raised.value) for word in words), raised.value
 
 
 def test_bad_arrays_are_refused():
@@ -174,9 +174,9 @@ def test_bad_arrays_are_refused():
 
 
 def test_a_stage_without_balance_raises(vessel):
-    with pytest.raises(vci.ComputationError, match="did not reach force balance") as told:
+    with pytest.raises(vci.ComputationError, match="did not reach force balance") as raised:
         vci.deploy(vessel, DEVICES, STEPS, numerics={"maximal_steps_per_stage": 2})
-    assert isinstance(told.value, RuntimeError) and "remedy" in str(told.value)
+    assert isinstance(raised.value, RuntimeError) and "remedy" in str(raised.value)
 
 
 def test_log_and_its_errors(vessel):
@@ -210,7 +210,7 @@ def test_threads_run_on(vessel):
     assert np.array_equal(*found)
 
 
-INTERRUPTED = """
+INTERRUPT_SCRIPT = """
 import signal, sys, threading, time
 sys.path[:0] = sys.argv[1:]  # as of the test
 import vci
@@ -231,9 +231,9 @@ except KeyboardInterrupt:
 
 def test_interrupt_ends_a_computation():
     """Ctrl-C is heard within a run, not only at its end, by the main thread; a test may run in another."""
-    command = [sys.executable, "-c", INTERRUPTED, str(pathlib.Path(__file__).parent), *sys.path]
-    told = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    assert told.stdout.strip() == "interrupted early", told.stderr
+    command = [sys.executable, "-c", INTERRUPT_SCRIPT, str(pathlib.Path(__file__).parent), *sys.path]
+    process = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert process.stdout.strip() == "interrupted early", process.stderr
 
 
 def test_arguments_of_other_kinds(vessel):
@@ -248,7 +248,7 @@ def test_arguments_of_other_kinds(vessel):
 def test_without_the_compiled_module(tmp_path):
     """The benchmarks run without it; its names say how to get it."""
     script = "import vci.benchmarks.scenes, vci\ntry: vci.deploy\nexcept ImportError as error: print(error)"
-    told = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", script], cwd=ROOT, env={"PATH": "/usr/bin"}, capture_output=True, text=True
     )
-    assert "make build" in told.stdout, told.stderr
+    assert "make build" in process.stdout, process.stderr

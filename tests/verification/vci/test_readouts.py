@@ -7,15 +7,17 @@ import pytest
 
 from vci.benchmarks import scenes
 
-COARSE = {"device_edge_mm": 0.6}
+COARSE_NUMERICS = {"device_edge_mm": 0.6}
 
 
 @pytest.fixture(scope="module")
 def deploy(binary, tmp_path_factory):
-    """deploy(tube, change, **how) -> deployment.json of a generated scene, changed by `change(document)`."""
+    """deploy(tube, change, **scene_options) -> deployment.json of a generated scene, changed by `change(document)`."""
 
-    def run(tube, change=lambda document: None, **how):
-        scene = scenes.write_scene(tmp_path_factory.mktemp("readouts") / "case", tube, **({"numerics": COARSE} | how))
+    def run(tube, change=lambda document: None, **scene_options):
+        scene = scenes.write_scene(
+            tmp_path_factory.mktemp("readouts") / "case", tube, **({"numerics": COARSE_NUMERICS} | scene_options)
+        )
         document = json.loads(scene.read_text())
         change(document)
         scene.write_text(json.dumps(document))
@@ -27,7 +29,7 @@ def deploy(binary, tmp_path_factory):
     return run
 
 
-def steps(*kept):
+def keep_steps(*kept):
     """Leaves only those steps of the procedure."""
 
     def change(document):
@@ -39,8 +41,8 @@ def steps(*kept):
 def test_stents_in_series_recoil_as_each_alone(deploy):
     tube = scenes.Tube(length=44, edge=0.8, stenosis=0.4, lesion_length=24)
     shifts = (-7.0, 7.0)
-    alone = [deploy(tube, steps(0, 1), shifts=(s,), length=10.0)["stents"][0]["recoil_percent"] for s in shifts]
-    result = deploy(tube, steps(0, 1, 2), shifts=shifts, length=10.0)
+    alone = [deploy(tube, keep_steps(0, 1), shifts=(s,), length=10.0)["stents"][0]["recoil_percent"] for s in shifts]
+    result = deploy(tube, keep_steps(0, 1, 2), shifts=shifts, length=10.0)
     series = [s["recoil_percent"] for s in result["stents"]]
     assert min(alone) > 2
     assert series == pytest.approx(alone, rel=0.05)
@@ -56,14 +58,14 @@ def test_a_balloon_that_does_not_fill_the_stent_leaves_its_recoil(deploy):
         post = document["devices"]["post"]
         post["chart"]["diameter_mm"] = [0.7 * d for d in post["chart"]["diameter_mm"]]
 
-    alone = deploy(tube, steps(0, 1))["stents"][0]
+    alone = deploy(tube, keep_steps(0, 1))["stents"][0]
     after = deploy(tube, smaller)["stents"][0]
     assert after["recoil_percent"] == pytest.approx(alone["recoil_percent"], rel=0.03)
 
 
 def test_a_larger_balloon_in_the_stent_counts(deploy):
     tube = scenes.Tube(edge=0.8)
-    before, after = (deploy(tube, steps(*kept))["stents"][0] for kept in ((0, 1), (0, 1, 2)))
+    before, after = (deploy(tube, keep_steps(*kept))["stents"][0] for kept in ((0, 1), (0, 1, 2)))
     assert after["inflated_diameter_mm"] > before["inflated_diameter_mm"] + 0.1
     assert 1 < after["recoil_percent"] < 6
 
@@ -80,7 +82,7 @@ def test_a_stent_straightens_a_bend(deploy):
 def test_without_ties_contact_alone_holds_the_stent(deploy):
     """Ties of no stiffness are none; a dead load in their place would press on the wall for ever."""
     tube = scenes.Tube(edge=0.8)
-    tied, free = (deploy(tube, numerics=COARSE | {"tie_stiffness_mpa_per_mm": k}) for k in (60, 0))
+    tied, free = (deploy(tube, numerics=COARSE_NUMERICS | {"tie_stiffness_mpa_per_mm": k}) for k in (60, 0))
     assert max(s["residual"] for s in free["stages"]) <= 3e-3
     assert free["minimal_stent_area_mm2"] == pytest.approx(tied["minimal_stent_area_mm2"], rel=0.02)
     assert free["stents"][0]["recoil_percent"] == pytest.approx(tied["stents"][0]["recoil_percent"], rel=0.2)
@@ -89,11 +91,11 @@ def test_without_ties_contact_alone_holds_the_stent(deploy):
 def test_textbook_integration_ends_at_rest(deploy):
     """It stops by velocity, not in balance."""
     tube = scenes.Tube(edge=1.2, lesion_length=6)
-    textbook = COARSE | {
+    textbook = COARSE_NUMERICS | {
         "device_edge_mm": 1.0,
         "integration": "textbook",
         "velocity_stop_mm_per_ms": 0.5,
         "maximal_steps_per_stage": 20000,
     }
-    assert deploy(tube, steps(0), length=8.0, numerics=textbook)["status"] == "at rest"
-    assert deploy(tube, steps(0), length=8.0)["status"] == "converged"
+    assert deploy(tube, keep_steps(0), length=8.0, numerics=textbook)["status"] == "at rest"
+    assert deploy(tube, keep_steps(0), length=8.0)["status"] == "converged"

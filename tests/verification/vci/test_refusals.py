@@ -35,15 +35,15 @@ def device(document, step):
 @pytest.mark.parametrize("step, centre", [(0, 22.0), (1, 20.5), (1, 3.0), (2, 22.5)])
 def test_a_device_past_the_end_of_the_vessel(binary, scene, step, centre):
     device(scene[0], step)["centre_s_mm"] = centre
-    told = refusal(binary, scene)
-    assert "past the end of its branch" in told
-    assert f"{scene[1]}: scene.procedure[{step}].devices[0] (step" in told
+    message = refusal(binary, scene)
+    assert "past the end of its branch" in message
+    assert f"{scene[1]}: scene.procedure[{step}].devices[0] (step" in message
 
 
 def test_a_segment_past_the_branch(binary, scene):
     scene[0]["segment"] = {"branch": "main", "s_start_mm": 5, "s_end_mm": 26}
-    told = refusal(binary, scene)
-    assert "segment reaches past its branch" in told and f"{scene[1]}: scene.segment" in told
+    message = refusal(binary, scene)
+    assert "segment reaches past its branch" in message and f"{scene[1]}: scene.segment" in message
 
 
 def test_a_pressure_beyond_the_chart_that_the_chart_may_still_say(binary, scene):

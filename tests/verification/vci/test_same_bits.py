@@ -10,17 +10,17 @@ from common import vtp
 from vci.benchmarks.scenes import Tube, write_scene
 
 
-def deployed(binary, folder, tunables=None, off=0.0):
-    """Points (n, 3) of a deployed tube whose points are `off` mm off at random; tunables: GLIBC_TUNABLES."""
+def deployed(binary, folder, tunables=None, noise_mm=0.0):
+    """Points (n, 3) of a deployed tube whose points are `noise_mm` mm off at random; tunables: GLIBC_TUNABLES."""
     folder.mkdir()
     tube = Tube(length=20, lesion_length=7, edge=0.8)
     mesh = tube.mesh
 
-    def moved():
+    def noisy_mesh():
         points, *others = mesh()
-        return points + off * np.random.default_rng(1).uniform(-1, 1, points.shape), *others
+        return points + noise_mm * np.random.default_rng(1).uniform(-1, 1, points.shape), *others
 
-    tube = tube if not off else Moved(tube, moved)
+    tube = tube if not noise_mm else TubeWithMesh(tube, noisy_mesh)
     scene = write_scene(folder, tube)
     environment = {key: value for key, value in os.environ.items() if key != "GLIBC_TUNABLES"}
     environment |= {"GLIBC_TUNABLES": tunables} if tunables else {}
@@ -29,7 +29,7 @@ def deployed(binary, folder, tunables=None, off=0.0):
     return vtp.points(vtp.read_triangles(folder / "out" / "lumen.vtp", ""))
 
 
-class Moved:
+class TubeWithMesh:
     """A Tube with another mesh."""
 
     def __init__(self, tube, mesh):
@@ -49,5 +49,5 @@ def test_the_processor_does_not_matter(binary, tmp_path):
 
 
 def test_the_last_digits_of_the_input_do_not_matter(binary, tmp_path):
-    usual, off = deployed(binary, tmp_path / "usual"), deployed(binary, tmp_path / "off", off=1e-13)
-    assert np.array_equal(usual, off)
+    usual, noisy = deployed(binary, tmp_path / "usual"), deployed(binary, tmp_path / "off", noise_mm=1e-13)
+    assert np.array_equal(usual, noisy)

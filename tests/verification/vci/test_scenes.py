@@ -17,7 +17,7 @@ FORCES = ("pressure_n", "contact_n", "foundation_n", "residual_n")
 
 
 @dataclasses.dataclass(frozen=True)
-class Placed(scenes.Tube):
+class PlacedTube(scenes.Tube):
     """A narrowed tube, mirrored at y = 0 or carried elsewhere: moved is (rotation (3, 3), shift (3,) in mm)."""
 
     lesion_length: float = 8.0
@@ -73,9 +73,9 @@ STEPS = {"pre": ("predilatation", 10), "stent": ("stent", 11)}
 
 
 def write_scene(folder, steps, device_edge=0.45, numerics=None, **how):
-    """scene.json of the tube Placed(**how)."""
+    """scene.json of the tube PlacedTube(**how)."""
     folder.mkdir(parents=True)
-    tube = Placed(**how)
+    tube = PlacedTube(**how)
     scenes.write_geometry(folder, tube)
     scene = {
         "schema": "vci-scene-1",
@@ -101,18 +101,18 @@ def write_scene(folder, steps, device_edge=0.45, numerics=None, **how):
 @pytest.fixture(scope="module")
 def deploy(binary, tmp_path_factory):
     """deploy(steps, **how) -> folder of the results; the same request is computed once."""
-    done = {}
+    computed = {}
 
     def run(steps=("pre", "stent"), again=False, key="", **how):
         key = (steps, again, key, tuple(sorted((k, str(v)) for k, v in how.items())))
-        if key not in done:
+        if key not in computed:
             folder = tmp_path_factory.mktemp("scene") / "case"
             scene = write_scene(folder, steps, **how)
             command = [str(binary("vci")), "deploy", str(scene), "--out", str(folder / "out")]
             result = subprocess.run(command, text=True, capture_output=True, timeout=300)
             assert result.returncode == 0, result.stderr
-            done[key] = folder / "out"
-        return done[key]
+            computed[key] = folder / "out"
+        return computed[key]
 
     return run
 
@@ -153,15 +153,15 @@ def test_a_moved_or_mirrored_scene_gives_the_same_areas(deploy):
     turn.RotateWXYZ(70, 1, 2, -0.5)
     rotation = np.array([[turn.GetMatrix().GetElement(i, j) for j in range(3)] for i in range(3)])
     places = ({}, {"moved": (rotation, np.array([5.0, -20.0, 8.0]))}, {"mirrored": True})
-    here, moved, mirrored = (areas(deploy(**place)).mean() for place in places)
-    assert moved == pytest.approx(here, rel=0.005)
-    assert mirrored == pytest.approx(here, rel=0.005)
+    original, moved, mirrored = (areas(deploy(**place)).mean() for place in places)
+    assert moved == pytest.approx(original, rel=0.005)
+    assert mirrored == pytest.approx(original, rel=0.005)
 
 
 def test_a_calcified_sector_opens_less(deploy):
     """Stretch of the wall over a calcified arc of 90 degrees against the arc opposite and against plaque there."""
     soft, hard = (deploy(calcium_deg=c) for c in (0, 90))
-    tube = Placed()
+    tube = PlacedTube()
     x, y, z = tube.mesh()[0].T
     middle = np.abs(z - tube.length / 2) < 2
     angle = np.degrees(np.arctan2(y, -x))  # from the middle of the arc
@@ -172,7 +172,7 @@ def test_a_calcified_sector_opens_less(deploy):
 
 
 @dataclasses.dataclass(frozen=True)
-class TwoPlaques(Placed):
+class TwoPlaques(PlacedTube):
     """Plaque of one type on one side of the tube, of another on the other."""
 
     types: tuple = (1, 2)
@@ -206,7 +206,9 @@ def test_no_device_vertex_outside_the_lumen(deploy):
     stent = vtk_to_numpy(vtp.read(folder / "devices" / "stent1.vtp", "").GetPoints().GetData())
     outside = max(distance.EvaluateFunction(p) for p in stent)
     assert outside < 0.03, "mm; positive is outside"
-    assert distance.EvaluateFunction([5 * Placed.radius, 0, Placed.length / 2]) > 1, "the sign says which side is out"
+    assert (
+        distance.EvaluateFunction([5 * PlacedTube.radius, 0, PlacedTube.length / 2]) > 1
+    ), "the sign says which side is out"
 
 
 def test_areas_converge_with_the_mesh(deploy):
@@ -219,9 +221,9 @@ def test_areas_converge_with_the_mesh(deploy):
 def test_areas_do_not_depend_on_the_first_step(deploy):
     """A thousand times longer at the start of each stage."""
     long = {"initial_step_ms": 300, "maximal_step_ms": 300}
-    here, there = (areas(deploy(stenosis=0.6, eccentricity=0.8, numerics=n)) for n in (None, long))
-    assert there.mean() == pytest.approx(here.mean(), rel=0.01)
-    assert there.min() == pytest.approx(here.min(), rel=0.01)
+    usual, long_start = (areas(deploy(stenosis=0.6, eccentricity=0.8, numerics=n)) for n in (None, long))
+    assert long_start.mean() == pytest.approx(usual.mean(), rel=0.01)
+    assert long_start.min() == pytest.approx(usual.min(), rel=0.01)
 
 
 @pytest.mark.slow

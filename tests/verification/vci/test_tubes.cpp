@@ -51,8 +51,8 @@ Tube tube(Mesh mesh, int around) {
 }
 
 /// Mean relative widening of the tube's middle third under a pressure, in a medium of modulus E_s (MPa).
-double widening(const Tube& t, const std::vector<HenckyLaw>& layers, double medium, double pressure,
-                const WallSpec& model = {}) {
+double relative_widening(const Tube& t, const std::vector<HenckyLaw>& layers, double medium, double pressure,
+                         const WallSpec& model = {}) {
   System system;
   const int body = system.add_body("tube", t.points, t.triangles, 1e-3, t.fixed);
   for (const HenckyLaw& law : layers)
@@ -106,31 +106,31 @@ TEST(Tube, ThinWallOfSpringsAsItIs) {
       WallSpec springs;
       springs.model = WallModel::mass_spring;
       springs.spring_mapping = row.mapping;
-      const double found = widening(tube(meshes[m], 32), {{stiffness, row.poisson}}, 0,
-                                    exact_pressure(stretch, row.poisson, 0), springs);
+      const double found = relative_widening(tube(meshes[m], 32), {{stiffness, row.poisson}}, 0,
+                                             exact_pressure(stretch, row.poisson, 0), springs);
       EXPECT_NEAR(found / (stretch - 1), row.ratio[m], 0.02 * row.ratio[m])
           << "mapping " << static_cast<int>(row.mapping) << ", nu " << row.poisson << ", mesh " << m;
     }
 }
 
-void check(double medium) {
+void check_thin_wall(double medium) {
   constexpr double stretch = 1.02;
   for (Mesh mesh : {Mesh::regular, Mesh::jittered, Mesh::graded})
     for (int around : {24, 36})
       for (double poisson : {0.3, 0.45}) {
-        const double found =
-            widening(tube(mesh, around), {{stiffness, poisson}}, medium, exact_pressure(stretch, poisson, medium));
+        const double found = relative_widening(tube(mesh, around), {{stiffness, poisson}}, medium,
+                                               exact_pressure(stretch, poisson, medium));
         EXPECT_NEAR(found / (stretch - 1), 1, 0.015)
             << "mesh " << static_cast<int>(mesh) << ", " << around << " round, nu " << poisson;
       }
 }
 
 TEST(Tube, ThinWallUnderPressure) {
-  check(0);
+  check_thin_wall(0);
 }
 
 TEST(Tube, ThinWallInAnElasticMedium) {
-  check(0.3);
+  check_thin_wall(0.3);
 }
 
 /// Pressure that widens a thick ring of plaque by a stretch in plane strain: E / (1 - nu^2) int eps r0 / r^2 dr0 with
@@ -151,8 +151,8 @@ TEST(Tube, ThickPlaqueUnderPressure) {
   for (double thickness : {0.5, 1.5, 4.0})
     for (double stretch : {1.02, 1.3}) {
       const auto layers = plaque_layers({0, poisson}, modulus, thickness, radius);
-      const double found = widening(tube(Mesh::regular, 36), {layers.begin(), layers.end()}, 0,
-                                    thick_pressure(stretch, modulus, thickness, poisson));
+      const double found = relative_widening(tube(Mesh::regular, 36), {layers.begin(), layers.end()}, 0,
+                                             thick_pressure(stretch, modulus, thickness, poisson));
       EXPECT_NEAR(found / (stretch - 1), 1, 0.03) << thickness << " mm, stretched " << stretch;
     }
 }
@@ -171,7 +171,8 @@ TEST(Tube, ThickPlaqueAgainstLamesTube) {
     for (double poisson : {0.3, 0.45, 0.49}) {
       const auto layers = plaque_layers({0, poisson}, modulus, thickness, radius);
       const double pressure = strain * lame_stiffness(thickness, modulus, poisson);
-      const double found = widening(tube(Mesh::regular, 36), {layers.begin(), layers.end()}, 0, pressure) / strain;
+      const double found =
+          relative_widening(tube(Mesh::regular, 36), {layers.begin(), layers.end()}, 0, pressure) / strain;
       const double share = std::pow(radius / (radius + thickness), 2);
       const double softer = (1 + (1 - 2 * poisson) * share) / (2 * (1 - poisson));
       EXPECT_NEAR(found * softer, 1, 0.02) << thickness << " mm, nu " << poisson;
@@ -185,7 +186,8 @@ TEST(Tube, ThickPlaqueOnJitteredAndGradedMeshes) {
       for (double poisson : {0.3, 0.45}) {
         const auto layers = plaque_layers({0, poisson}, modulus, thickness, radius);
         const double pressure = strain * lame_stiffness(thickness, modulus, poisson);
-        const double found = widening(tube(mesh, around), {layers.begin(), layers.end()}, 0, pressure) / strain;
+        const double found =
+            relative_widening(tube(mesh, around), {layers.begin(), layers.end()}, 0, pressure) / strain;
         const double share = std::pow(radius / (radius + thickness), 2);
         const double softer = (1 + (1 - 2 * poisson) * share) / (2 * (1 - poisson));
         EXPECT_NEAR(found * softer, 1, 0.02)

@@ -10,16 +10,16 @@ from vtk.util.numpy_support import vtk_to_numpy
 from common import vtp
 from vci.benchmarks import scenes
 
-COARSE = {"device_edge_mm": 0.6}
+COARSE_NUMERICS = {"device_edge_mm": 0.6}
 HEALTHY = scenes.Tube(stenosis=0.0, edge=0.6)
 
 
 @pytest.fixture
 def deploy(binary, tmp_path):
-    """deploy(tube, change, command, **how) -> (folder of the results, process) of a generated scene, changed."""
+    """deploy(tube, change, command, **scene_options) -> (folder of results, process) of a generated scene, changed."""
 
-    def run(tube, change=lambda document: None, command="deploy", **how):
-        path = scenes.write_scene(tmp_path / "case", tube, **({"numerics": COARSE} | how))
+    def run(tube, change=lambda document: None, command="deploy", **scene_options):
+        path = scenes.write_scene(tmp_path / "case", tube, **({"numerics": COARSE_NUMERICS} | scene_options))
         document = json.loads(path.read_text())
         change(document)
         path.write_text(json.dumps(document))
@@ -95,7 +95,7 @@ def test_the_baseline_claims_no_balance(deploy):
 def test_a_stages_record_says_where_care_began(deploy):
     usual = summary(*deploy(scenes.Tube(edge=0.6)))
     assert {s["careful_from"] for s in usual["stages"]} == {None}
-    careful = summary(*deploy(scenes.Tube(edge=0.6), numerics=COARSE | {"stalled_steps_per_stage": 24}))
+    careful = summary(*deploy(scenes.Tube(edge=0.6), numerics=COARSE_NUMERICS | {"stalled_steps_per_stage": 24}))
     found = [s["careful_from"] for s in careful["stages"] if s["careful_from"] is not None]
     assert found and min(found) >= 8, "a third of the stalled steps"
 

@@ -16,7 +16,7 @@ struct Balloon {
   int body; ///< number in the system
   RingGrid grid;
   Pressure* pressure;
-  Fibres* axial;
+  Fibres* axial_fibres;
   std::shared_ptr<const BalloonChart> chart;
 };
 

@@ -7,7 +7,7 @@ namespace vci {
 
 namespace {
 
-constexpr double buckled_share = 0.02; // stiffness of a film in compression over that in tension
+constexpr double buckled_stiffness_ratio = 0.02; // stiffness of a film in compression over that in tension
 
 } // namespace
 
@@ -35,7 +35,7 @@ BalloonChart BalloonChart::of_unfolded(const std::vector<double>& pressure_mpa,
   if (!(unfolded > 0))
     throw std::invalid_argument("a balloon chart that has no diameter at no pressure, by its first slope");
   BalloonChart chart;
-  chart.pressure_ = {-buckled_share * slope * 0.5 * unfolded, 0.0};
+  chart.pressure_ = {-buckled_stiffness_ratio * slope * 0.5 * unfolded, 0.0};
   chart.diameter_ = {0.5 * unfolded, unfolded};
   chart.pressure_.insert(chart.pressure_.end(), pressure_mpa.begin(), pressure_mpa.end());
   chart.diameter_.insert(chart.diameter_.end(), diameter_mm.begin(), diameter_mm.end());

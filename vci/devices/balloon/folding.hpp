@@ -13,14 +13,14 @@ namespace vci {
 struct FoldedSection {
   /// mm, counterclockwise, equally far apart. The first is the middle of a valley. Empty: too few edges for wings.
   std::vector<Vec2> points;
-  double inner, outer; ///< distances of the nearest and the furthest vertex from the axis, mm
-  double wrap;         ///< angle that a wing covers, rad
+  double inner_radius, outer_radius; ///< distances of the nearest and the furthest vertex from the axis, mm
+  double wrap_angle;                 ///< angle that a wing covers, rad
 };
-/// @param around number of vertices, a multiple of twice the number of wings
+/// @param ring_size number of vertices, a multiple of twice the number of wings
 /// @param edge distance between neighbouring vertices, mm
-FoldedSection folded_section(const FoldingSpec& folding, int around, double edge);
+FoldedSection folded_section(const FoldingSpec& folding, int ring_size, double edge);
 /// The section of a balloon with the perimeter that its chart gives at pressure 0.
-FoldedSection folded_section(const BalloonSpec& spec, int around);
+FoldedSection folded_section(const BalloonSpec& spec, int ring_size);
 
 /// Diameter (mm) of the unfolded balloon at pressure 0. The chart is continued to this pressure with its first slope.
 double unfolded_diameter(const BalloonSpec& spec);
@@ -30,12 +30,12 @@ double bending_rigidity(const FoldingSpec& folding);
 
 /// Number of vertices that a ring needs to follow the folds. Throws common::InputError if the folded perimeter does not
 /// fit into the crimped diameter, or is too short for wings.
-int vertices_round_folded(const BalloonSpec& spec, double edge_mm);
+int folded_ring_size(const BalloonSpec& spec, double edge_mm);
 
 /// The vertices (mm) of a folded balloon on a vessel's axis. Along the shoulders the section is scaled down.
-/// @param room largest radius that each ring may have, mm
+/// @param largest_radius largest radius that each ring may have, mm
 /// Throws common::ComputationError if a ring does not fit.
 Vectors place_folded(const BalloonSpec& spec, const RingGrid& grid, const std::vector<Frame>& frames,
-                     const std::vector<double>& room);
+                     const std::vector<double>& largest_radius);
 
 } // namespace vci

@@ -25,12 +25,12 @@ void CellShear::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffnes
   }
 }
 
-void CellShear::declare(BlockPattern& pattern) const {
+void CellShear::declare_stencils(BlockPattern& pattern) const {
   for (const Cell& cell : cells_)
     pattern.add(cell.corner);
 }
 
-void CellShear::link(const BlockMatrix& matrix) {
+void CellShear::locate_blocks(const BlockMatrix& matrix) {
   slots_.clear();
   for (const Cell& cell : cells_)
     slots_.emplace_back(matrix, cell.corner);

@@ -6,7 +6,7 @@ namespace vci {
 
 namespace {
 
-double length_of(const std::vector<int>& ring, const Vectors& x) {
+double ring_length(const std::vector<int>& ring, const Vectors& x) {
   double length = 0;
   for (std::size_t k = 0; k < ring.size(); ++k)
     length += (x[ring[(k + 1) % ring.size()]] - x[ring[k]]).norm();
@@ -19,11 +19,11 @@ struct Tension {
 
 /// A strain. After plastic flow |e| equals the yield strain up to this rounding error, which must not decide the
 /// tangent. With the plastic tangent, the first step of a ring that is unloaded would be far too long.
-constexpr double at_yield = 1e-9;
+constexpr double yield_rounding = 1e-9;
 
 Tension tension(const RingHoops::Ring& r, double length) {
   const double e = length / r.rest_length - 1, y = r.yield_strain, excess = std::abs(e) - y;
-  if (excess <= (r.flows != 0 && r.flows * e > 0 ? -at_yield : at_yield))
+  if (excess <= (r.flow_sign != 0 && r.flow_sign * e > 0 ? -yield_rounding : yield_rounding))
     return {0.5 * r.stiffness * r.rest_length * e * e, r.stiffness * e, r.stiffness / r.rest_length};
   return {r.stiffness * r.rest_length * (0.5 * y * y + y * excess + 0.5 * r.hardening * excess * excess),
           std::copysign(r.stiffness * (y + r.hardening * excess), e), r.stiffness * r.hardening / r.rest_length};
@@ -34,7 +34,7 @@ Tension tension(const RingHoops::Ring& r, double length) {
 double RingHoops::energy(const Vectors& x) const {
   double sum = 0;
   for (const Ring& r : rings_)
-    sum += tension(r, length_of(r.vertices, x)).energy;
+    sum += tension(r, ring_length(r.vertices, x)).energy;
   return sum;
 }
 
@@ -42,7 +42,7 @@ void RingHoops::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffnes
   std::size_t edge = 0;
   for (const Ring& r : rings_) {
     const std::size_t n = r.vertices.size();
-    const Tension t = tension(r, length_of(r.vertices, x));
+    const Tension t = tension(r, ring_length(r.vertices, x));
     RankOne term{r.vertices, Vectors(n, Vec3::Zero()), t.tangent};
     for (std::size_t k = 0; k < n; ++k, ++edge) {
       const int i = r.vertices[k], j = r.vertices[(k + 1) % n];
@@ -65,16 +65,16 @@ void RingHoops::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffnes
   }
 }
 
-void RingHoops::declare(BlockPattern& pattern) const {
+void RingHoops::declare_stencils(BlockPattern& pattern) const {
   for (const Ring& r : rings_)
     for (std::size_t k = 0; k < r.vertices.size(); ++k)
       pattern.add(std::array<int, 2>{r.vertices[k], r.vertices[(k + 1) % r.vertices.size()]});
 }
 
-void RingHoops::link(const BlockMatrix& matrix) {
+void RingHoops::locate_blocks(const BlockMatrix& matrix) {
   slots_.clear();
   for (Ring& r : rings_) {
-    r.flows = 0; // bodies were added or removed, so plastic flow may not continue
+    r.flow_sign = 0; // bodies were added or removed, so plastic flow may not continue
     for (std::size_t k = 0; k < r.vertices.size(); ++k)
       slots_.emplace_back(matrix, std::array<int, 2>{r.vertices[k], r.vertices[(k + 1) % r.vertices.size()]});
   }
@@ -82,21 +82,21 @@ void RingHoops::link(const BlockMatrix& matrix) {
 
 void RingHoops::commit(const Vectors& x) {
   for (Ring& r : rings_) {
-    const double length = length_of(r.vertices, x), e = length / r.rest_length - 1;
+    const double length = ring_length(r.vertices, x), e = length / r.rest_length - 1;
     const double excess = std::abs(e) - r.yield_strain;
-    r.flows = 0;
+    r.flow_sign = 0;
     if (excess > 0) {
-      r.flows = e > 0 ? 1 : -1;
+      r.flow_sign = e > 0 ? 1 : -1;
       r.yield_strain += r.hardening * excess;
       r.rest_length = length / (1 + std::copysign(r.yield_strain, e));
     }
   }
 }
 
-int RingHoops::yielding(const Vectors& x) const {
+int RingHoops::count_yielding(const Vectors& x) const {
   int count = 0;
   for (const Ring& r : rings_)
-    count += std::abs(length_of(r.vertices, x) / r.rest_length - 1) > r.yield_strain;
+    count += std::abs(ring_length(r.vertices, x) / r.rest_length - 1) > r.yield_strain;
   return count;
 }
 
@@ -130,12 +130,12 @@ void RingEvenness::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiff
   }
 }
 
-void RingEvenness::declare(BlockPattern& pattern) const {
+void RingEvenness::declare_stencils(BlockPattern& pattern) const {
   for (const Element& e : elements_)
     pattern.add(e.v);
 }
 
-void RingEvenness::link(const BlockMatrix& matrix) {
+void RingEvenness::locate_blocks(const BlockMatrix& matrix) {
   for (Element& e : elements_)
     e.slots = {matrix, e.v};
 }

@@ -17,17 +17,17 @@ public:
     double stiffness;                   ///< k, N
     double yield_strain, hardening = 0; ///< e_y, H (0 to 1)
     double rest_length = 0;             ///< L0, mm
-    int flows = 0; ///< sign of e if the last step made plastic strain permanent (its tangent is then H k), else 0
+    int flow_sign = 0; ///< sign of e if the last step made plastic strain permanent (its tangent is then H k), else 0
   };
   explicit RingHoops(std::vector<Ring> rings) : rings_(std::move(rings)) {}
 
   double energy(const Vectors& x) const override;
   void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
-  void declare(BlockPattern& pattern) const override;
-  void link(const BlockMatrix& matrix) override;
+  void declare_stencils(BlockPattern& pattern) const override;
+  void locate_blocks(const BlockMatrix& matrix) override;
   void commit(const Vectors& x) override;
   /// Number of rings that yield at positions x.
-  int yielding(const Vectors& x) const;
+  int count_yielding(const Vectors& x) const;
 
 private:
   std::vector<Ring> rings_;
@@ -47,8 +47,8 @@ public:
 
   double energy(const Vectors& x) const override;
   void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
-  void declare(BlockPattern& pattern) const override;
-  void link(const BlockMatrix& matrix) override;
+  void declare_stencils(BlockPattern& pattern) const override;
+  void locate_blocks(const BlockMatrix& matrix) override;
 
 private:
   struct Element {

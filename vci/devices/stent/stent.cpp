@@ -15,29 +15,29 @@ constexpr double surface_density = 1.1e-3 * 0.1; // g/mm^2: struts, 0.1 mm thick
 // Stiffness (N mm per edge) against bending of a ring in its plane, for struts of this thickness (mm). A strut has the
 // bending stiffness E w t^3 / 12, with E = 235 GPa, w = 0.09 mm and t = 0.08 mm. Half of it counts, since struts run at
 // an angle to the axis. One strut is assumed for each 1.2 mm of length.
-constexpr double stent_hinge = 0.4, stent_hinge_thickness = 0.08;
+constexpr double hinge_coefficient = 0.4, hinge_strut_thickness = 0.08;
 // A grid of fibres alone has no shear stiffness, so a weak film (0.3 N/mm, yielding at a strain of 0.05) is added. It
 // hardens more than a balloon's film.
 constexpr HenckyLaw stent_film{0.3, 0.3, 0.0, 0.05, 0.1};
 constexpr double hoop_hardening = 0.01;
 // Tension that makes one edge e (2.718) times as long as its neighbour, over the ring's yield tension.
-constexpr double strut_evenness = 2.0;
+constexpr double evenness_ratio = 2.0;
 
 // Shear stiffness of a cell over the least one that is needed, the ring's yield tension over twice the edge. With less
 // than this, a ring folds in zigzag when it yields in compression. The struts of a real cell are far stiffer, so the
 // ratio is above 1.
-constexpr double cell_shear = 4.0;
+constexpr double cell_shear_ratio = 4.0;
 
 } // namespace
 
 RingGrid stent_grid(const StentSpec& spec, double edge) {
   RingGrid g;
-  g.around = even_count(pi * spec.nominal_diameter, edge);
+  g.ring_size = even_edge_count(pi * spec.nominal_diameter, edge);
   const int n = std::max(4, static_cast<int>(std::lround(spec.length / edge)));
   for (int k = 0; k <= n; ++k) {
     g.s.push_back(spec.length * (static_cast<double>(k) / n - 0.5));
     g.profile.push_back(1.0);
-    g.start.push_back(1.0);
+    g.start_ratio.push_back(1.0);
   }
   return g;
 }
@@ -51,57 +51,60 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   const std::vector<double> width = ring_widths(grid);
   // The maker's yield strain holds at the nominal diameter. The crimped ring yields at a lower strain, since the ring
   // hardens while it opens.
-  const double first_yield =
+  const double crimped_yield_strain =
       std::max(0.2 * spec.yield_strain(),
                spec.yield_strain() - hoop_hardening * std::log(spec.nominal_diameter / spec.crimped_diameter));
   std::vector<RingHoops::Ring> hoops;
-  std::vector<RingEvenness::Ring> even;
+  std::vector<RingEvenness::Ring> evenness;
   for (int r = 0; r < grid.rings(); ++r) {
-    RingHoops::Ring hoop{{}, spec.hoop_stiffness() * width[r], first_yield, hoop_hardening};
-    for (int k = 0; k < grid.around; ++k) {
-      hoop.vertices.push_back(first + r * grid.around + k);
-      hoop.rest_length += (points[r * grid.around + (k + 1) % grid.around] - points[r * grid.around + k]).norm();
+    RingHoops::Ring hoop{{}, spec.hoop_stiffness() * width[r], crimped_yield_strain, hoop_hardening};
+    for (int k = 0; k < grid.ring_size; ++k) {
+      hoop.vertices.push_back(first + r * grid.ring_size + k);
+      hoop.rest_length +=
+          (points[r * grid.ring_size + (k + 1) % grid.ring_size] - points[r * grid.ring_size + k]).norm();
     }
-    const double nominal_edge = pi * spec.nominal_diameter / grid.around;
-    even.push_back({hoop.vertices, strut_evenness * spec.yield_strain() * hoop.stiffness * nominal_edge});
+    const double nominal_edge = pi * spec.nominal_diameter / grid.ring_size;
+    evenness.push_back({hoop.vertices, evenness_ratio * spec.yield_strain() * hoop.stiffness * nominal_edge});
     hoops.push_back(std::move(hoop));
   }
   system.add_force(body, std::make_unique<RingHoops>(std::move(hoops)));
-  system.add_force(body, std::make_unique<RingEvenness>(even));
+  system.add_force(body, std::make_unique<RingEvenness>(evenness));
   std::vector<CellShear::Cell> cells;
   for (int r = 0; r + 1 < grid.rings(); ++r)
-    for (int k = 0; k < grid.around; ++k) {
-      const int a = first + r * grid.around + k, b = first + r * grid.around + (k + 1) % grid.around;
+    for (int k = 0; k < grid.ring_size; ++k) {
+      const int a = first + r * grid.ring_size + k, b = first + r * grid.ring_size + (k + 1) % grid.ring_size;
       const double tension = spec.yield_strain() * spec.hoop_stiffness() * width[r];
-      cells.push_back({{a, b, b + grid.around, a + grid.around},
-                       cell_shear * tension / (2 * pi * spec.nominal_diameter / grid.around)});
+      cells.push_back({{a, b, b + grid.ring_size, a + grid.ring_size},
+                       cell_shear_ratio * tension / (2 * pi * spec.nominal_diameter / grid.ring_size)});
     }
   system.add_force(body, std::make_unique<CellShear>(cells));
   std::vector<Fibres::Fibre> fibres;
-  const double share = pi * spec.nominal_diameter / grid.around;
+  const double share = pi * spec.nominal_diameter / grid.ring_size;
   for (int r = 0; r + 1 < grid.rings(); ++r)
-    for (int k = 0; k < grid.around; ++k)
-      fibres.push_back({first + r * grid.around + k, first + (r + 1) * grid.around + k, grid.s[r + 1] - grid.s[r],
+    for (int k = 0; k < grid.ring_size; ++k)
+      fibres.push_back({first + r * grid.ring_size + k, first + (r + 1) * grid.ring_size + k, grid.s[r + 1] - grid.s[r],
                         spec.axial_stiffness * share});
   system.add_force(body, std::make_unique<Fibres>(fibres));
   const Vectors rest = straight_grid(grid, 0.5 * spec.nominal_diameter);
-  std::vector<EdgePair> edges = interior_edges(grid.triangles(), rest);
-  shift(edges, first);
+  std::vector<InteriorEdge> edges = interior_edges(grid.triangles(), rest);
+  offset_vertices(edges, first);
   // Axial fibres of stiffness k give the stent the bending stiffness pi R^3 k. Hinges at the edges round the rings give
   // the rest. When the stent bends, they turn by curvature times ring spacing times the cosine of the angle round it.
-  const double half = 0.5 * spec.nominal_diameter, spacing = spec.length / (grid.rings() - 1);
-  const double by_fibres = pi * half * half * half * spec.axial_stiffness;
-  const double ring_hinge = 2 * std::max(0.0, spec.bending_stiffness - by_fibres) / (grid.around * spacing);
+  const double nominal_radius = 0.5 * spec.nominal_diameter, spacing = spec.length / (grid.rings() - 1);
+  const double fibre_bending = pi * nominal_radius * nominal_radius * nominal_radius * spec.axial_stiffness;
+  const double ring_coefficient =
+      2 * std::max(0.0, spec.bending_stiffness - fibre_bending) / (grid.ring_size * spacing);
   // A free ring must not buckle below the maker's radial strength. By Levy it buckles at the pressure 3 EI / R^3, with
   // EI its bending stiffness per axial length.
-  const double strong = spec.radial_strength_mpa * half * half * half / 3;
-  const double across = std::max(strong, stent_hinge * std::pow(spec.strut_thickness / stent_hinge_thickness, 3));
+  const double buckling_rigidity = spec.radial_strength_mpa * nominal_radius * nominal_radius * nominal_radius / 3;
+  const double bending_coefficient =
+      std::max(buckling_rigidity, hinge_coefficient * std::pow(spec.strut_thickness / hinge_strut_thickness, 3));
   std::vector<double> coefficients;
-  for (const EdgePair& e : edges) {
-    const bool on_ring = (e.e0 - first) / grid.around == (e.e1 - first) / grid.around;
-    coefficients.push_back(on_ring ? std::max(ring_hinge, across) : across);
+  for (const InteriorEdge& e : edges) {
+    const bool on_ring = (e.e0 - first) / grid.ring_size == (e.e1 - first) / grid.ring_size;
+    coefficients.push_back(on_ring ? std::max(ring_coefficient, bending_coefficient) : bending_coefficient);
   }
-  system.add_force(body, std::make_unique<Hinges>(edges, shifted(rest, first), coefficients, 0.1));
+  system.add_force(body, std::make_unique<Hinges>(edges, with_leading_zeros(rest, first), coefficients, 0.1));
   const Triangles& triangles = system.body(body).triangles;
   system.add_force(
       body, std::make_unique<Membrane>(triangles, system.x, std::vector<HenckyLaw>(triangles.size(), stent_film)));

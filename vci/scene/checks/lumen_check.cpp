@@ -18,65 +18,67 @@ using common::text;
 // of a compressed artery (1.2 x 5.0 mm). Observed ratios of a wall's distance to its radius: at least 0.73 in the
 // cohort, the benchmarks and the lumens of the anatomy's tests, 0.49 in the shoulder of a generated tube, and up
 // to 2.31 for whole lumens. A wrong unit would give 10. The ratio must lie between the two shares. A distance that
-// differs from the radius by less than `astray` (mm) is accepted too, since at small radii the centreline's own error
-// matters.
-constexpr double nearest_share = 0.4, farthest_share = 3.0, astray = 0.2;
+// differs from the radius by less than `radius_tolerance` (mm) is accepted too, since at small radii the centreline's
+// own error matters.
+constexpr double least_radius_ratio = 0.4, largest_radius_ratio = 3.0, radius_tolerance = 0.2;
 // mm: the axis is divided into stretches of this length. The nearest wall round a place is sought in the place's
 // stretch and in its two neighbours.
-constexpr double about = 1.0;
-// Longest edge allowed: `longest_share` times the lumen's radius plus `longest_beyond` (mm). In the lumens named above
-// edges are at most 1.5 times the radius.
-constexpr double longest_share = 3.0, longest_beyond = 1.0;
+constexpr double stretch_length = 1.0;
+// Longest edge allowed: `edge_radius_ratio` times the lumen's radius plus `edge_allowance` (mm). In the lumens named
+// above edges are at most 1.5 times the radius.
+constexpr double edge_radius_ratio = 3.0, edge_allowance = 1.0;
 constexpr double end_tolerance = 0.5; // mm by which a device or segment may reach past the lumen's end
 
 /// Whether a wall point is far enough from the axis for its radius (both mm).
-bool apart(double distance, double radius) {
-  return distance > nearest_share * radius || std::abs(distance - radius) < astray;
+bool is_far_enough(double distance, double radius) {
+  return distance > least_radius_ratio * radius || std::abs(distance - radius) < radius_tolerance;
 }
 
 /// Whether a wall point is near enough to the axis for its radius (both mm).
-bool close(double distance, double radius) {
-  return distance < farthest_share * radius || distance < radius + astray;
+bool is_near_enough(double distance, double radius) {
+  return distance < largest_radius_ratio * radius || distance < radius + radius_tolerance;
 }
 
 /// 0 if distance and radius (mm) fit, else the size of the logarithm of their ratio.
-double misfit(double distance, double radius) {
-  return apart(distance, radius) && close(distance, radius) ? 0 : std::abs(std::log((distance + 1e-12) / radius));
+double radius_misfit(double distance, double radius) {
+  return is_far_enough(distance, radius) && is_near_enough(distance, radius)
+             ? 0
+             : std::abs(std::log((distance + 1e-12) / radius));
 }
 
 /// The place of a wall point on the branch whose distance fits the point's radius best.
-struct OnBranch {
-  std::size_t axis; ///< number of the branch
-  Vec3 way;         ///< vector from the nearest place on the axis to the point, mm
-  double s;         ///< arc length of that place, mm
+struct WallPoint {
+  std::size_t branch; ///< number of the branch
+  Vec3 offset;        ///< vector from the nearest place on the axis to the point, mm
+  double s;           ///< arc length of that place, mm
 };
 
 /// The least distance (mm) of wall points from their branch's axis, for each stretch of the axis of length `about`.
 class NearestWall {
 public:
-  explicit NearestWall(const std::map<int, OnBranch>& wall) {
-    for (const auto& [v, on] : wall) {
-      const auto [entry, first] = least_.try_emplace({on.axis, stretch(on.s)}, on.way.norm());
+  explicit NearestWall(const std::map<int, WallPoint>& wall) {
+    for (const auto& [v, point] : wall) {
+      const auto [entry, first] = least_.try_emplace({point.branch, stretch_index(point.s)}, point.offset.norm());
       if (!first)
-        entry->second = std::min(entry->second, on.way.norm());
+        entry->second = std::min(entry->second, point.offset.norm());
     }
   }
   /// The least distance (mm) in a point's stretch and in the two stretches beside it.
-  double about(const OnBranch& on) const {
-    double least = on.way.norm();
+  double least_distance_near(const WallPoint& point) const {
+    double least = point.offset.norm();
     for (int k : {-1, 0, 1})
-      if (const auto entry = least_.find({on.axis, stretch(on.s) + k}); entry != least_.end())
+      if (const auto entry = least_.find({point.branch, stretch_index(point.s) + k}); entry != least_.end())
         least = std::min(least, entry->second);
     return least;
   }
 
 private:
-  static int stretch(double s) { return static_cast<int>(std::floor(s / vci::about)); }
+  static int stretch_index(double s) { return static_cast<int>(std::floor(s / stretch_length)); }
   std::map<std::pair<std::size_t, int>, double> least_;
 };
 
 /// Assigns each point of the wall (by its number) to the branch whose distance fits the point's radius best.
-std::map<int, OnBranch> on_branches(const Lumen& lumen, const std::map<std::string, Path>& paths) {
+std::map<int, WallPoint> assign_to_branches(const Lumen& lumen, const std::map<std::string, Path>& paths) {
   std::vector<AxisSearch> axes;
   for (const auto& [name, path] : paths)
     axes.emplace_back(path);
@@ -85,56 +87,57 @@ std::map<int, OnBranch> on_branches(const Lumen& lumen, const std::map<std::stri
     if (lumen.region[k] == 0)
       for (int v : lumen.triangles[k])
         wall[v] = 1;
-  std::map<int, OnBranch> found;
-  std::size_t likely = 0; // the last point's branch, tried first: consecutive points mostly belong to one branch
+  std::map<int, WallPoint> found;
+  std::size_t likely_branch = 0; // the last point's branch, tried first: consecutive points mostly belong to one branch
   for (std::size_t v = 0; v < lumen.points.size(); ++v) {
     double least = wall[v] ? 1e300 : 0;
     for (std::size_t k = 0; k < axes.size() && least > 0; ++k) {
-      const std::size_t a = (likely + k) % axes.size();
-      const AxisPlace place = axes[a].nearest(lumen.points[v]);
-      const Vec3 way = lumen.points[v] - place.point;
-      if (const double own = misfit(way.norm(), lumen.radius[v]); own < least) {
+      const std::size_t a = (likely_branch + k) % axes.size();
+      const AxisPoint place = axes[a].nearest(lumen.points[v]);
+      const Vec3 offset = lumen.points[v] - place.point;
+      if (const double own = radius_misfit(offset.norm(), lumen.radius[v]); own < least) {
         least = own;
-        found[static_cast<int>(v)] = {a, way, place.s};
+        found[static_cast<int>(v)] = {a, offset, place.s};
       }
     }
     if (wall[v] && least == 0)
-      likely = found.at(static_cast<int>(v)).axis;
+      likely_branch = found.at(static_cast<int>(v)).branch;
   }
   return found;
 }
 
 /// For each point of the lumen the vector (mm) to it from the axis of its branch; 0 for points of caps. Throws
 /// common::InputError if a distance does not fit the point's radius.
-Vectors ways_from_axis(const Lumen& lumen, const std::map<std::string, Path>& paths, const std::string& file) {
-  const std::map<int, OnBranch> wall = on_branches(lumen, paths);
+Vectors offsets_from_axis(const Lumen& lumen, const std::map<std::string, Path>& paths, const std::string& file) {
+  const std::map<int, WallPoint> wall = assign_to_branches(lumen, paths);
   const NearestWall nearest(wall);
-  Vectors ways(lumen.points.size(), Vec3::Zero());
+  Vectors offsets(lumen.points.size(), Vec3::Zero());
   double worst = 0, distance = 0;
   int misfits = 0, where = -1;
-  for (const auto& [v, on] : wall) {
-    ways[v] = on.way;
-    const double r = lumen.radius[v], own = on.way.norm();
+  for (const auto& [v, point] : wall) {
+    offsets[v] = point.offset;
+    const double r = lumen.radius[v], own = point.offset.norm();
     // radius_mm is that of the largest sphere, so only the nearest wall has to lie at this distance. If a point is far
     // enough from the axis, the nearest wall round its place decides whether walls are too far away.
-    const double judged = apart(own, r) ? nearest.about(on) : own;
-    const double off = apart(own, r) && close(judged, r) ? 0 : std::abs(std::log((judged + 1e-12) / r));
-    misfits += off > 0;
-    if (off > worst) {
-      worst = off;
+    const double judged = is_far_enough(own, r) ? nearest.least_distance_near(point) : own;
+    const double log_ratio =
+        is_far_enough(own, r) && is_near_enough(judged, r) ? 0 : std::abs(std::log((judged + 1e-12) / r));
+    misfits += log_ratio > 0;
+    if (log_ratio > worst) {
+      worst = log_ratio;
       distance = judged;
       where = v;
     }
   }
   if (where >= 0)
     throw common::InputError(
-        "the lumen's wall does not fit its radius_mm and the centreline", place_of_point(lumen, where, file),
+        "the lumen's wall does not fit its radius_mm and the centreline", point_location(lumen, where, file),
         text("the wall is ", distance, " mm from the branch's axis there, radius_mm ", lumen.radius[where], "; ",
              misfits, " of ", lumen.points.size(), " points do not fit"),
         text("give lumen and centreline of one vessel in mm, with radius_mm the radius of the "
              "largest sphere inside: the nearest wall lies at ",
-             nearest_share, " to ", farthest_share, " times it from the axis"));
-  return ways;
+             least_radius_ratio, " to ", largest_radius_ratio, " times it from the axis"));
+  return offsets;
 }
 
 void refuse_long_edges(const Lumen& lumen, const std::string& file) {
@@ -144,24 +147,24 @@ void refuse_long_edges(const Lumen& lumen, const std::string& file) {
     for (int c = 0; c < 3; ++c) {
       const int a = lumen.triangles[k][c], b = lumen.triangles[k][(c + 1) % 3];
       const double length = (lumen.points[b] - lumen.points[a]).norm();
-      const double limit = longest_share * std::max(lumen.radius[a], lumen.radius[b]) + longest_beyond;
+      const double limit = edge_radius_ratio * std::max(lumen.radius[a], lumen.radius[b]) + edge_allowance;
       if (length > limit)
         throw common::InputError("a triangle of the lumen is far longer than the lumen is wide",
-                                 place_of_triangle(lumen, k, file),
+                                 triangle_location(lumen, k, file),
                                  text(length, " mm between points ", a, " and ", b, "; at most ", limit),
                                  "put the misplaced point right, or remesh the lumen with the anatomy step");
     }
   }
 }
 
-void refuse_inward(const Lumen& lumen, const Vectors& ways, const std::string& file) {
+void refuse_inward(const Lumen& lumen, const Vectors& offsets, const std::string& file) {
   double flux = 0;
   std::size_t inward = 0, wall = 0, first = 0;
   for (std::size_t k = 0; k < lumen.triangles.size(); ++k) {
     if (lumen.region[k] != 0)
       continue;
     const Triangle& t = lumen.triangles[k];
-    const double own = area_vector(t, lumen.points).dot(ways[t[0]] + ways[t[1]] + ways[t[2]]) / 3;
+    const double own = area_vector(t, lumen.points).dot(offsets[t[0]] + offsets[t[1]] + offsets[t[2]]) / 3;
     flux += own;
     ++wall;
     if (own < 0 && inward++ == 0)
@@ -171,14 +174,14 @@ void refuse_inward(const Lumen& lumen, const Vectors& ways, const std::string& f
     throw common::InputError("the lumen has no wall", file, "no triangle with region_id 0",
                              "write region_id 0 for the wall's triangles, other numbers for caps");
   if (!(flux > 0))
-    throw common::InputError("the lumen's triangles face its axis", place_of_triangle(lumen, first, file),
+    throw common::InputError("the lumen's triangles face its axis", triangle_location(lumen, first, file),
                              text(inward, " of ", wall, " triangles of the wall face inward"),
                              "turn all triangles: seen from outside the vessel their points run counterclockwise");
 }
 
 /// Arc length (mm) at which a branch's axis passes through an open end of the wall, bounded by `rim`. The axis is
 /// extended straight beyond its ends. Nothing if the axis passes beside the rim.
-std::optional<double> passes(const Path& path, const Rim& rim, const Lumen& lumen) {
+std::optional<double> passing_arc_length(const Path& path, const Rim& rim, const Lumen& lumen) {
   Vec3 centre = Vec3::Zero();
   for (int v : rim)
     centre += lumen.points[v] / static_cast<double>(rim.size());
@@ -216,16 +219,16 @@ struct Extent {
 
 /// The extent of each branch within the lumen. Throws common::InputError unless each branch's axis passes through two
 /// open ends of the wall, and each open end belongs to a branch.
-std::map<std::string, Extent> extents(const Lumen& lumen, const std::vector<Rim>& rims,
-                                      const std::map<std::string, Path>& paths, const std::string& file) {
+std::map<std::string, Extent> branch_extents(const Lumen& lumen, const std::vector<Rim>& rims,
+                                             const std::map<std::string, Path>& paths, const std::string& file) {
   std::map<std::string, Extent> extents;
-  std::vector<char> of_tree(rims.size(), 0);
+  std::vector<char> on_branch(rims.size(), 0);
   for (const auto& [name, path] : paths) {
     std::vector<double> places;
     for (std::size_t r = 0; r < rims.size(); ++r)
-      if (const auto s = passes(path, rims[r], lumen)) {
+      if (const auto s = passing_arc_length(path, rims[r], lumen)) {
         places.push_back(*s);
-        of_tree[r] = 1;
+        on_branch[r] = 1;
       }
     std::sort(places.begin(), places.end());
     if (places.size() != 2) {
@@ -240,8 +243,8 @@ std::map<std::string, Extent> extents(const Lumen& lumen, const std::vector<Rim>
     extents[name] = {places.front(), places.back()};
   }
   for (std::size_t r = 0; r < rims.size(); ++r)
-    if (!of_tree[r])
-      throw common::InputError("the lumen's wall has a hole", place_of_point(lumen, rims[r].front(), file),
+    if (!on_branch[r])
+      throw common::InputError("the lumen's wall has a hole", point_location(lumen, rims[r].front(), file),
                                text("an open rim of ", rims[r].size(), " edges that no branch's axis passes through"),
                                "close it, or add the branch that ends there to the centreline");
   return extents;
@@ -269,36 +272,37 @@ void refuse_reversed_main(const Lumen& lumen, const std::map<std::string, Path>&
                              "turn the branch round: it runs from the inlet to an outlet");
 }
 
-void refuse_past(const Extent& e, double start, double end, const std::string& what, const std::string& where) {
+void refuse_span_past_lumen(const Extent& e, double start, double end, const std::string& what,
+                            const std::string& where) {
   if (start < e.start - end_tolerance || end > e.end + end_tolerance)
     throw common::InputError(what + " reaches past the end of the lumen", where,
                              text("from ", start, " to ", end, " mm"),
                              text("place it within ", e.start, " to ", e.end, " mm, or give more of the lumen"));
 }
 
-void refuse_past_the_lumen(const Scene& scene, const std::map<std::string, Extent>& extents) {
+void refuse_devices_past_lumen(const Scene& scene, const std::map<std::string, Extent>& extents) {
   for (std::size_t step = 0; step < scene.procedure.size(); ++step)
     for (std::size_t device = 0; device < scene.procedure[step].devices.size(); ++device) {
       const Placement& p = scene.procedure[step].devices[device];
       const double half = 0.5 * scene.opened_length(p.device);
-      refuse_past(extents.at(p.branch), p.centre_s - half, p.centre_s + half, "a device",
-                  place_of(scene, step, device));
+      refuse_span_past_lumen(extents.at(p.branch), p.centre_s - half, p.centre_s + half, "a device",
+                             device_location(scene, step, device));
     }
   if (scene.segment)
-    refuse_past(extents.at(scene.segment->branch), scene.segment->s_start, scene.segment->s_end, "the segment",
-                scene.file.string() + ": scene.segment");
+    refuse_span_past_lumen(extents.at(scene.segment->branch), scene.segment->s_start, scene.segment->s_end,
+                           "the segment", scene.file.string() + ": scene.segment");
 }
 
 } // namespace
 
 void check_lumen(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths) {
   const std::string file = scene.lumen.string();
-  const std::vector<Rim> rims = rims_of_sound_surface(lumen, file);
-  const Vectors ways = ways_from_axis(lumen, paths, file);
+  const std::vector<Rim> rims = checked_rims(lumen, file);
+  const Vectors offsets = offsets_from_axis(lumen, paths, file);
   refuse_long_edges(lumen, file);
-  refuse_inward(lumen, ways, file);
+  refuse_inward(lumen, offsets, file);
   refuse_reversed_main(lumen, paths, scene.centreline.string());
-  refuse_past_the_lumen(scene, extents(lumen, rims, paths, file));
+  refuse_devices_past_lumen(scene, branch_extents(lumen, rims, paths, file));
 }
 
 } // namespace vci

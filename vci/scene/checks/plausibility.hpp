@@ -11,6 +11,6 @@ void check_placements(const Scene& scene, const std::map<std::string, Path>& pat
 
 /// The place of a device in the scene for error messages: "FILE: scene.procedure[1].devices[0] (step NAME, DEVICE)".
 /// @param step, device numbers of the step and of the device in it, from 0
-std::string place_of(const Scene& scene, std::size_t step, std::size_t device);
+std::string device_location(const Scene& scene, std::size_t step, std::size_t device);
 
 } // namespace vci

@@ -16,10 +16,10 @@ using Rim = std::vector<int>;
 /// - more than two triangles meet in an edge;
 /// - neighbouring triangles face opposite sides;
 /// - two rims touch, or the surface has several pieces.
-std::vector<Rim> rims_of_sound_surface(const Lumen& lumen, const std::string& file);
+std::vector<Rim> checked_rims(const Lumen& lumen, const std::string& file);
 
 /// Places for error messages: "FILE: triangle 7 at (x, y, z) mm" with the triangle's centroid, "FILE: point 7 at ...".
-std::string place_of_triangle(const Lumen& lumen, std::size_t triangle, const std::string& file);
-std::string place_of_point(const Lumen& lumen, int point, const std::string& file);
+std::string triangle_location(const Lumen& lumen, std::size_t triangle, const std::string& file);
+std::string point_location(const Lumen& lumen, int point, const std::string& file);
 
 } // namespace vci

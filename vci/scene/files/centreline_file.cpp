@@ -18,11 +18,11 @@ namespace {
 void refuse_turning_back(const Vectors& points, const std::string& name, const std::string& file) {
   // Cosine of the largest turn allowed (134 degrees); and length (mm) below which pieces are not judged, as points may
   // scatter.
-  constexpr double sharpest = -0.7, piece = 0.1;
+  constexpr double sharpest_cosine = -0.7, least_piece_length = 0.1;
   for (std::size_t k = 2; k < points.size(); ++k) {
     const Vec3 before = points[k - 1] - points[k - 2], after = points[k] - points[k - 1];
     const double lengths = before.norm() * after.norm();
-    if (std::min(before.norm(), after.norm()) > piece && before.dot(after) < sharpest * lengths) {
+    if (std::min(before.norm(), after.norm()) > least_piece_length && before.dot(after) < sharpest_cosine * lengths) {
       std::ostringstream place;
       place << "at (" << points[k - 1].transpose() << ") mm, its point " << k - 1;
       throw common::InputError("a branch of the centreline turns back on itself", file + ": branch " + name,
@@ -31,7 +31,7 @@ void refuse_turning_back(const Vectors& points, const std::string& name, const s
   }
 }
 
-double distance_to(const Vectors& line, const Vec3& p) {
+double distance_to_line(const Vectors& line, const Vec3& p) {
   double nearest = 1e300;
   for (const Vec3& q : line)
     nearest = std::min(nearest, (p - q).norm());
@@ -40,15 +40,16 @@ double distance_to(const Vectors& line, const Vec3& p) {
 
 /// Refuses a side branch whose line runs the wrong way: it must start on its parent's axis, not end there.
 void refuse_reversed_sides(const Vectors& main, const NamedLines& sides, const std::string& file) {
-  constexpr double apart = 0.5; // mm: a line starts on another one if its first point is at most this far from it
+  // mm: a line starts on another one if its first point is at most this far from it
+  constexpr double start_tolerance = 0.5;
   for (const auto& [name, points] : sides) {
-    double start = distance_to(main, points.front()), end = distance_to(main, points.back());
+    double start = distance_to_line(main, points.front()), end = distance_to_line(main, points.back());
     for (const auto& [other, line] : sides)
       if (other != name) {
-        start = std::min(start, distance_to(line, points.front()));
-        end = std::min(end, distance_to(line, points.back()));
+        start = std::min(start, distance_to_line(line, points.front()));
+        end = std::min(end, distance_to_line(line, points.back()));
       }
-    if (start > apart && end < start) {
+    if (start > start_tolerance && end < start) {
       std::ostringstream value;
       value << "its first point is " << start << " mm from the other branches, its last " << end;
       throw common::InputError("a side branch of the centreline does not start at its parent",
@@ -68,7 +69,7 @@ Vectors points_of_line(vtkPolyData* data, vtkIdType line, const std::filesystem:
   Vectors points(size);
   for (vtkIdType k = 0; k < size; ++k) {
     data->GetPoint(ids[k], points[k].data());
-    points[k] = points[k].unaryExpr(&to_nanometre);
+    points[k] = points[k].unaryExpr(&rounded_to_nanometre);
   }
   return points;
 }
@@ -105,19 +106,20 @@ Vectors checked_line(const std::string& name, const Vectors& line, const std::st
 /// A side branch's path from the inlet on: points of its parent, then its own. Its parent is the branch of `paths`
 /// whose axis is nearest to the side branch's first point.
 Path joined_to_parent(const Vectors& points, const std::map<std::string, Path>& paths) {
-  constexpr double joint = 0.2; // mm: last points of the parent that are this near to the first point are left out
+  // mm: last points of the parent that are this near to the first point are left out
+  constexpr double joint_distance = 0.2;
   const Path* parent = nullptr;
-  std::size_t leave = 0;
+  std::size_t leaving_index = 0;
   double nearest = 1e300;
   for (const auto& [other, path] : paths)
     for (std::size_t k = 0; k < path.points().size(); ++k)
       if (const double d = (path.points()[k] - points.front()).squaredNorm(); d < nearest) {
         nearest = d;
         parent = &path;
-        leave = k;
+        leaving_index = k;
       }
-  Vectors joined(parent->points().begin(), parent->points().begin() + static_cast<std::ptrdiff_t>(leave));
-  while (joined.size() > 1 && (joined.back() - points.front()).norm() < joint)
+  Vectors joined(parent->points().begin(), parent->points().begin() + static_cast<std::ptrdiff_t>(leaving_index));
+  while (joined.size() > 1 && (joined.back() - points.front()).norm() < joint_distance)
     joined.pop_back();
   joined.insert(joined.end(), points.begin(), points.end());
   const std::size_t before = joined.size() - points.size();
@@ -130,10 +132,10 @@ Path joined_to_parent(const Vectors& points, const std::map<std::string, Path>& 
 } // namespace
 
 std::map<std::string, Path> centreline_from(NamedLines lines, const std::string& where) {
-  std::set<std::string> taken;
+  std::set<std::string> names;
   for (auto& [name, points] : lines) {
     points = checked_line(name, points, where);
-    if (!taken.insert(name).second)
+    if (!names.insert(name).second)
       throw common::InputError("two branches of the centreline have one name", where, name,
                                "name each branch otherwise: devices are placed by it");
   }
@@ -149,7 +151,7 @@ std::map<std::string, Path> centreline_from(NamedLines lines, const std::string&
 }
 
 std::map<std::string, Path> read_centreline(const std::filesystem::path& file) {
-  return reading(file, [&] { return centreline_from(named_lines(file), file.string()); });
+  return guarded_read(file, [&] { return centreline_from(named_lines(file), file.string()); });
 }
 
 } // namespace vci

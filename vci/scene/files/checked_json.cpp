@@ -22,7 +22,7 @@ void CheckedObject::refuse(const std::string& what, const std::string& key, cons
 }
 
 const json* CheckedObject::find(const std::string& key, bool required) {
-  known_.insert(key);
+  known_keys_.insert(key);
   if (!object_.contains(key)) {
     if (required)
       refuse("a required key is missing", key, "add it; docs/design.md describes the file");
@@ -43,23 +43,23 @@ double CheckedObject::number(const std::string& key, double low, double high, st
     if (!std::isfinite(result) || result < low || result > high)
       refuse("a number is out of its range", key, range.str());
   }
-  used[key] = result;
-  table[key] = {{"type", "number"}, {"minimum", low}, {"maximum", high}};
+  values_read[key] = result;
+  key_schemas[key] = {{"type", "number"}, {"minimum", low}, {"maximum", high}};
   if (fallback)
-    table[key]["default"] = *fallback;
+    key_schemas[key]["default"] = *fallback;
   return result;
 }
 
-double CheckedObject::number_or_never(const std::string& key, double low, double high, double fallback) {
+double CheckedObject::number_or_infinity(const std::string& key, double low, double high, double fallback) {
   constexpr double never = std::numeric_limits<double>::infinity();
   const json* value = find(key, false);
   const bool is_never = value ? value->is_null() : std::isinf(fallback);
   const double result = is_never ? never : number(key, low, high, fallback);
   if (is_never)
-    used[key] = nullptr;
-  table[key] = {{"type", {"number", "null"}}, {"minimum", low}, {"maximum", high}, {"default", nullptr}};
+    values_read[key] = nullptr;
+  key_schemas[key] = {{"type", {"number", "null"}}, {"minimum", low}, {"maximum", high}, {"default", nullptr}};
   if (!std::isinf(fallback))
-    table[key]["default"] = fallback;
+    key_schemas[key]["default"] = fallback;
   return result;
 }
 
@@ -67,8 +67,8 @@ int CheckedObject::integer(const std::string& key, int low, int high, std::optio
   const double value = number(key, low, high, fallback ? std::optional<double>(*fallback) : std::nullopt);
   if (value != std::floor(value))
     refuse("a whole number is expected", key, "leave out the decimals");
-  used[key] = static_cast<int>(value);
-  table[key]["type"] = "integer";
+  values_read[key] = static_cast<int>(value);
+  key_schemas[key]["type"] = "integer";
   return static_cast<int>(value);
 }
 
@@ -77,14 +77,14 @@ std::string CheckedObject::text(const std::string& key, std::optional<std::strin
   if (value && !value->is_string())
     refuse("a text is expected", key, "write it in double quotes");
   const std::string result = value ? value->get<std::string>() : *fallback;
-  used[key] = result;
+  values_read[key] = result;
   return result;
 }
 
-std::size_t CheckedObject::place_of_choice(const std::string& key, const std::vector<std::string>& names,
-                                           std::size_t usual) {
-  table[key] = {{"enum", names}, {"default", names[usual]}};
-  const std::string given = text(key, names[usual]);
+std::size_t CheckedObject::choice_index(const std::string& key, const std::vector<std::string>& names,
+                                        std::size_t default_index) {
+  key_schemas[key] = {{"enum", names}, {"default", names[default_index]}};
+  const std::string given = text(key, names[default_index]);
   const auto found = std::find(names.begin(), names.end(), given);
   if (found != names.end())
     return static_cast<std::size_t>(found - names.begin());
@@ -104,7 +104,7 @@ std::vector<double> CheckedObject::numbers(const std::string& key) {
       refuse("a list of numbers is expected", key, "write [a, b, ...]");
     result.push_back(item.get<double>());
   }
-  used[key] = result;
+  values_read[key] = result;
   return result;
 }
 
@@ -120,11 +120,11 @@ json CheckedObject::list(const std::string& key) {
   return *value;
 }
 
-void CheckedObject::finish() const {
+void CheckedObject::refuse_unknown_keys() const {
   for (const auto& [key, value] : object_.items())
-    if (!known_.contains(key)) {
+    if (!known_keys_.contains(key)) {
       std::string all;
-      for (const std::string& k : known_)
+      for (const std::string& k : known_keys_)
         all += (all.empty() ? "" : ", ") + k;
       refuse("an unknown key", key, "remove it; known keys are: " + all);
     }

@@ -13,10 +13,12 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double least_of_chart = 0.5, most_of_chart = 1.5; // limits of a chart's diameters over the nominal diameter
-constexpr double highest_pressure = 60;                     // largest pressure accepted in a chart, bar
-constexpr double overhang = 1;   // mm by which a stent may be longer than its balloon's cylinder
-constexpr double mounted = 0.25; // largest difference of stent's and balloon's nominal diameters over the stent's
+// limits of a chart's diameters over the nominal diameter
+constexpr double least_chart_ratio = 0.5, largest_chart_ratio = 1.5;
+constexpr double highest_pressure = 60; // largest pressure accepted in a chart, bar
+constexpr double overhang = 1;          // mm by which a stent may be longer than its balloon's cylinder
+// largest difference of stent's and balloon's nominal diameters over the stent's
+constexpr double mounting_tolerance = 0.25;
 // Largest relative difference between the nominal diameter and the chart's diameter at nominal pressure. Charts are
 // rounded to 0.01 or 0.02 mm and linear between their points.
 constexpr double nominal_tolerance = 0.01;
@@ -31,11 +33,11 @@ FoldingSpec read_folding(const json& entry, const std::string& where) {
   if (wrap != "counterclockwise" && wrap != "clockwise")
     throw common::InputError("an unknown sense", o.path("wrap"), wrap, "use counterclockwise or clockwise");
   f.clockwise = wrap == "clockwise";
-  o.finish();
+  o.refuse_unknown_keys();
   return f;
 }
 
-std::string text_of(double one, const char* between, double other, const char* unit = " mm") {
+std::string text_of_pair(double one, const char* between, double other, const char* unit = " mm") {
   std::ostringstream text;
   text << one << between << other << unit;
   return text.str();
@@ -46,18 +48,19 @@ void check_chart(const BalloonSpec& b, const CheckedObject& chart) {
   for (const double p : b.chart_pressure_bar)
     if (!(p >= 0 && p <= highest_pressure))
       throw common::InputError("a pressure that no balloon is made for", chart.path("pressure_bar"),
-                               text_of(p, ", of at most ", highest_pressure, " bar"), "give the maker's chart, in bar");
+                               text_of_pair(p, ", of at most ", highest_pressure, " bar"),
+                               "give the maker's chart, in bar");
   for (const double d : b.chart_diameter)
-    if (!(d >= least_of_chart * b.nominal_diameter && d <= most_of_chart * b.nominal_diameter))
+    if (!(d >= least_chart_ratio * b.nominal_diameter && d <= largest_chart_ratio * b.nominal_diameter))
       throw common::InputError("a chart that leaves the nominal diameter far behind", chart.path("diameter_mm"),
-                               text_of(d, " mm, nominal ", b.nominal_diameter),
+                               text_of_pair(d, " mm, nominal ", b.nominal_diameter),
                                "give the maker's chart, within 50 to 150 % of nominal_diameter_mm");
 }
 
 void check_crimped(double crimped, double nominal, const CheckedObject& o) {
   if (crimped >= nominal)
     throw common::InputError("a device that is as wide crimped as it is opened", o.path("crimped_diameter_mm"),
-                             text_of(crimped, " mm, nominal ", nominal), "give the profile on the way in");
+                             text_of_pair(crimped, " mm, nominal ", nominal), "give the profile on the way in");
 }
 
 } // namespace
@@ -77,12 +80,12 @@ BalloonSpec read_balloon(const json& entry, const std::string& where) {
   b.chart_diameter = chart.numbers("diameter_mm");
   check_crimped(b.crimped_diameter, b.nominal_diameter, o);
   check_chart(b, chart);
-  chart.finish();
+  chart.refuse_unknown_keys();
   if (o.has("folding"))
     b.folding = read_folding(o.child("folding", true), o.path("folding"));
   try {
-    const BalloonChart by_bar(b.chart_pressure_bar, b.chart_diameter, b.crimped_diameter);
-    const double charted = nominal_pressure > 0 ? by_bar.diameter_at(nominal_pressure) : b.nominal_diameter;
+    const BalloonChart chart_in_bar(b.chart_pressure_bar, b.chart_diameter, b.crimped_diameter);
+    const double charted = nominal_pressure > 0 ? chart_in_bar.diameter_at(nominal_pressure) : b.nominal_diameter;
     if (std::abs(charted / b.nominal_diameter - 1) > nominal_tolerance)
       throw common::InputError("the chart contradicts the nominal diameter", o.path("nominal_pressure_bar"),
                                std::to_string(nominal_pressure) + " bar: " + std::to_string(charted) +
@@ -94,7 +97,7 @@ BalloonSpec read_balloon(const json& entry, const std::string& where) {
     throw common::InputError(e.what(), o.path("chart"), entry.at("chart").dump().substr(0, 80),
                              "give the maker's chart, rising in both columns");
   }
-  o.finish();
+  o.refuse_unknown_keys();
   return b;
 }
 
@@ -113,7 +116,7 @@ StentSpec read_stent(const json& entry, const std::string& where) {
   check_crimped(s.crimped_diameter, s.nominal_diameter, o);
   if (s.crimped_diameter <= 2 * s.strut_thickness)
     throw common::InputError("struts that leave the crimped stent no lumen", o.path("strut_thickness_mm"),
-                             text_of(s.strut_thickness, " mm, crimped to ", s.crimped_diameter),
+                             text_of_pair(s.strut_thickness, " mm, crimped to ", s.crimped_diameter),
                              "give the struts' radial thickness and the stent's crossing profile");
   if (s.links > s.crowns)
     throw common::InputError("more links than crowns that they could join", o.path("links"),
@@ -127,23 +130,23 @@ StentSpec read_stent(const json& entry, const std::string& where) {
   s.axial_stiffness = o.number("axial_stiffness_n_per_mm", 1e-3, 1e3, s.axial_stiffness);
   s.bending_stiffness = o.number("bending_stiffness_n_mm2", 1e-3, 1e4, s.bending_stiffness);
   s.recoil_percent = o.number("recoil_percent", 0.1, 20, s.recoil_percent);
-  o.finish();
+  o.refuse_unknown_keys();
   return s;
 }
 
-void check_mounted(const StentSpec& s, const BalloonSpec& b, const std::string& where) {
+void check_stent_on_balloon(const StentSpec& s, const BalloonSpec& b, const std::string& where) {
   const std::string at = where + ".balloon";
   if (s.length > b.length + overhang)
     throw common::InputError("a stent longer than the balloon it is crimped on", at,
-                             text_of(s.length, " mm on ", b.length),
+                             text_of_pair(s.length, " mm on ", b.length),
                              "name a balloon whose length_mm, without its shoulders, is the stent's");
-  if (std::abs(b.nominal_diameter / s.nominal_diameter - 1) > mounted)
+  if (std::abs(b.nominal_diameter / s.nominal_diameter - 1) > mounting_tolerance)
     throw common::InputError("a stent on a balloon of quite another diameter", at,
-                             text_of(s.nominal_diameter, " mm on ", b.nominal_diameter),
+                             text_of_pair(s.nominal_diameter, " mm on ", b.nominal_diameter),
                              "name a balloon of the stent's nominal_diameter_mm");
   if (s.crimped_diameter < b.crimped_diameter)
     throw common::InputError("a stent crimped thinner than the balloon inside it", at,
-                             text_of(s.crimped_diameter, " mm on ", b.crimped_diameter),
+                             text_of_pair(s.crimped_diameter, " mm on ", b.crimped_diameter),
                              "give the crossing profiles of the stent and of its balloon");
 }
 

@@ -12,6 +12,6 @@ namespace vci {
 BalloonSpec read_balloon(const nlohmann::json& entry, const std::string& where);
 StentSpec read_stent(const nlohmann::json& entry, const std::string& where);
 /// Throws common::InputError if the stent cannot have been crimped on the balloon, because of length or diameter.
-void check_mounted(const StentSpec& stent, const BalloonSpec& balloon, const std::string& where);
+void check_stent_on_balloon(const StentSpec& stent, const BalloonSpec& balloon, const std::string& where);
 
 } // namespace vci

@@ -19,7 +19,7 @@ namespace vci {
 
 namespace {
 
-vtkDataArray* array_of(vtkDataSetAttributes* attributes, const char* name, const std::filesystem::path& file) {
+vtkDataArray* required_array(vtkDataSetAttributes* attributes, const char* name, const std::filesystem::path& file) {
   vtkDataArray* array = attributes->GetArray(name);
   if (!array)
     throw common::InputError("the lumen lacks an array", file.string(), name, "make the lumen with the anatomy step");
@@ -51,11 +51,11 @@ void write_polydata(const std::filesystem::path& file, vtkPolyData* data) {
   writer->SetInputData(data);
   writer->SetDataModeToAppended();
   writer->EncodeAppendedDataOff();
-  if (!common::wrote_xml(writer.Get(), file))
+  if (!common::write_xml(writer.Get(), file))
     throw common::ComputationError("a file cannot be written", file.string(), "", "check the folder and free space");
 }
 
-LumenFile lumen_of(const std::filesystem::path& file) {
+LumenFile load_lumen(const std::filesystem::path& file) {
   LumenFile lumen;
   lumen.data = read_polydata(file, "lumen");
   const vtkIdType n = lumen.data->GetNumberOfPoints(), m = lumen.data->GetNumberOfPolys();
@@ -63,15 +63,16 @@ LumenFile lumen_of(const std::filesystem::path& file) {
     throw common::InputError("the lumen is not a surface of polygons", file.string(),
                              std::to_string(n) + " points, " + std::to_string(m) + " polygons",
                              "give a triangulated surface");
-  vtkDataArray* region = array_of(lumen.data->GetCellData(), "region_id", file);
-  vtkDataArray* radius = array_of(lumen.data->GetPointData(), "radius_mm", file);
-  vtkDataArray* plaque = array_of(lumen.data->GetPointData(), "plaque_thickness_mm", file);
-  vtkDataArray* type = array_of(lumen.data->GetPointData(), "plaque_type", file);
+  vtkDataArray* region = required_array(lumen.data->GetCellData(), "region_id", file);
+  vtkDataArray* radius = required_array(lumen.data->GetPointData(), "radius_mm", file);
+  vtkDataArray* plaque = required_array(lumen.data->GetPointData(), "plaque_thickness_mm", file);
+  vtkDataArray* type = required_array(lumen.data->GetPointData(), "plaque_type", file);
   for (vtkIdType i = 0; i < n; ++i) {
     Vec3 p;
     lumen.data->GetPoint(i, p.data());
-    p = p.unaryExpr(&to_nanometre);
-    const double r = to_nanometre(radius->GetTuple1(i)), t = to_nanometre(plaque->GetTuple1(i)), k = type->GetTuple1(i);
+    p = p.unaryExpr(&rounded_to_nanometre);
+    const double r = rounded_to_nanometre(radius->GetTuple1(i)), t = rounded_to_nanometre(plaque->GetTuple1(i)),
+                 k = type->GetTuple1(i);
     if (!p.allFinite() || p.norm() > 1e6 || !(r > 0.02 && r < 20) || !(t >= -0.1 && t < 20) || !(k >= 0 && k <= 3))
       throw common::InputError("a point of the lumen is not plausible (position, radius_mm, plaque)", file.string(),
                                "point " + std::to_string(i) + ": radius " + std::to_string(r) + ", plaque " +
@@ -84,7 +85,7 @@ LumenFile lumen_of(const std::filesystem::path& file) {
   }
   if (vtkDataArray* reference = lumen.data->GetPointData()->GetArray("reference_radius_mm"))
     for (vtkIdType i = 0; i < n; ++i)
-      lumen.reference_radius.push_back(to_nanometre(reference->GetTuple1(i)));
+      lumen.reference_radius.push_back(rounded_to_nanometre(reference->GetTuple1(i)));
   vtkCellArray* polys = lumen.data->GetPolys();
   for (vtkIdType k = 0; k < m; ++k) {
     vtkIdType size;
@@ -105,7 +106,7 @@ LumenFile lumen_of(const std::filesystem::path& file) {
 } // namespace
 
 LumenFile read_lumen(const std::filesystem::path& file) {
-  return reading(file, [&] { return lumen_of(file); });
+  return guarded_read(file, [&] { return load_lumen(file); });
 }
 
 PointArray vector_array(const std::string& name, const Vectors& values) {
@@ -126,7 +127,7 @@ void write_lumen(const std::filesystem::path& vtp, const std::filesystem::path& 
   writer->SetFileName(stl.c_str());
   writer->SetInputData(data);
   writer->SetFileTypeToBinary();
-  if (!common::wrote_stl(writer.Get(), stl, data->GetNumberOfPolys()))
+  if (!common::write_stl(writer.Get(), stl, data->GetNumberOfPolys()))
     throw common::ComputationError("a file cannot be written", stl.string(), "", "check the folder and free space");
 }
 

@@ -11,21 +11,21 @@ namespace vci {
 namespace {
 
 /// While it exists, VTK's errors are recorded instead of printed.
-class Complaints {
+class VtkErrorRecorder {
 public:
-  Complaints() : previous_(vtkOutputWindow::GetInstance()) {
-    vtkOutputWindow::SetInstance(kept_);
+  VtkErrorRecorder() : previous_(vtkOutputWindow::GetInstance()) {
+    vtkOutputWindow::SetInstance(recorded_);
     vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
   }
-  ~Complaints() {
+  ~VtkErrorRecorder() {
     vtkOutputWindow::SetInstance(previous_);
     vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_INFO); // VTK's default
   }
-  Complaints(const Complaints&) = delete;
-  Complaints& operator=(const Complaints&) = delete;
+  VtkErrorRecorder(const VtkErrorRecorder&) = delete;
+  VtkErrorRecorder& operator=(const VtkErrorRecorder&) = delete;
   /// Text of the first error, without the place in VTK's sources and the object's address. Empty if there is no error.
   std::string first_error() const {
-    const std::string all = kept_->GetOutput();
+    const std::string all = recorded_->GetOutput();
     const std::size_t error = all.find("ERROR: "), address = all.find("): ", error);
     if (error == std::string::npos)
       return {};
@@ -34,7 +34,7 @@ public:
   }
 
 private:
-  vtkNew<vtkStringOutputWindow> kept_;
+  vtkNew<vtkStringOutputWindow> recorded_;
   vtkSmartPointer<vtkOutputWindow> previous_;
 };
 
@@ -48,7 +48,7 @@ vtkSmartPointer<vtkPolyData> read_polydata(const std::filesystem::path& file, co
     throw common::InputError("the " + what + " is no file", file.string(),
                              std::filesystem::is_directory(file) ? "a folder" : "a device or pipe",
                              "name the .vtp file itself");
-  const Complaints complaints;
+  const VtkErrorRecorder recorder;
   vtkNew<vtkXMLPolyDataReader> reader;
   if (!reader->CanReadFile(file.c_str()))
     throw common::InputError("the " + what + " is no VTK file of polygons or lines", file.string(),
@@ -56,7 +56,7 @@ vtkSmartPointer<vtkPolyData> read_polydata(const std::filesystem::path& file, co
   common::check_vtp(file, what);
   reader->SetFileName(file.c_str());
   reader->Update();
-  if (const std::string error = complaints.first_error(); !error.empty())
+  if (const std::string error = recorder.first_error(); !error.empty())
     throw common::InputError("the " + what + " cannot be read", file.string(), error, "it is damaged: write it anew");
   return reader->GetOutput();
 }

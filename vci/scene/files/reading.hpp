@@ -16,13 +16,13 @@ namespace vci {
 vtkSmartPointer<vtkPolyData> read_polydata(const std::filesystem::path& file, const std::string& what);
 
 /// A length in mm rounded to the nanometre, so that last digits in a file do not matter.
-inline double to_nanometre(double mm) {
+inline double rounded_to_nanometre(double mm) {
   return std::round(mm * 1e6) / 1e6;
 }
 
 /// Calls the function `read`. Exceptions that JSON or VTK throw over a damaged file (overflow, a size beyond memory, a
 /// value of another type) become an InputError that names the file.
-template <class Read> auto reading(const std::filesystem::path& file, Read&& read) {
+template <class Read> auto guarded_read(const std::filesystem::path& file, Read&& read) {
   try {
     return read();
   } catch (const common::InputError&) {

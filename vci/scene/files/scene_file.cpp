@@ -72,7 +72,7 @@ Step read_step(const json& entry, const std::string& where, const Scene& scene) 
                                std::to_string(p.pressure_bar),
                                "stay at or below its last pressure, " + std::to_string(b.chart_pressure_bar.back()) +
                                    " bar, or extend the chart");
-    d.finish();
+    d.refuse_unknown_keys();
     step.devices.push_back(p);
   }
   if (step.devices.size() > 1 && step.action != Action::kissing)
@@ -84,52 +84,53 @@ Step read_step(const json& entry, const std::string& where, const Scene& scene) 
     throw common::InputError("kissing inflates two balloons side by side", o.path("devices"),
                              std::to_string(step.devices.size()) + (with_stent ? " devices, with a stent" : " devices"),
                              "name two balloons; place stents in steps of their own");
-  o.finish();
+  o.refuse_unknown_keys();
   return step;
 }
 
 /// The document, with two checks. If a key were given twice in one object, the JSON library would silently use the
 /// last. Values nested too deeply would crash the program, since they are copied and written by recursion.
-json parsed(std::istream& stream, const std::string& where) {
-  struct Open {
+json parse_json(std::istream& stream, const std::string& where) {
+  struct OpenObject {
     std::set<std::string> keys;
-    std::string last;
+    std::string last_key;
   };
-  constexpr int deepest = 32; // a device of a step is 5 deep
-  std::vector<Open> objects;  // that are not yet closed
-  const auto here = [&] {
+  constexpr int maximal_depth = 32; // a device of a step is 5 deep
+  std::vector<OpenObject> objects;  // that are not yet closed
+  const auto current_path = [&] {
     std::string path = where;
-    for (const Open& o : objects)
-      path += "." + o.last;
+    for (const OpenObject& o : objects)
+      path += "." + o.last_key;
     return path;
   };
   try {
     return json::parse(stream, [&](int depth, json::parse_event_t event, const json& value) {
-      if (depth > deepest)
-        throw common::InputError("values too deep in one another", here(), std::to_string(depth) + " levels",
+      if (depth > maximal_depth)
+        throw common::InputError("values too deep in one another", current_path(), std::to_string(depth) + " levels",
                                  "no part of a scene is deeper than 5; docs/design.md describes the file");
       if (event == json::parse_event_t::object_start)
         objects.emplace_back();
       else if (event == json::parse_event_t::object_end)
         objects.pop_back();
       else if (event == json::parse_event_t::key) {
-        objects.back().last = value.get<std::string>();
-        if (!objects.back().keys.insert(objects.back().last).second)
-          throw common::InputError("a key is given twice", here(), objects.back().last, "leave one of the two");
+        objects.back().last_key = value.get<std::string>();
+        if (!objects.back().keys.insert(objects.back().last_key).second)
+          throw common::InputError("a key is given twice", current_path(), objects.back().last_key,
+                                   "leave one of the two");
       }
       return true;
     });
   } catch (const json::out_of_range& e) { // a number that no double holds
-    throw common::InputError("a number is out of its range", here(), e.what(), "give a number below 1e308");
+    throw common::InputError("a number is out of its range", current_path(), e.what(), "give a number below 1e308");
   }
 }
 
-json document_of(const std::filesystem::path& file, const std::string& where) {
+json read_document(const std::filesystem::path& file, const std::string& where) {
   std::ifstream stream(file);
   if (!stream)
     throw common::InputError("the scene cannot be opened", file.string(), "no readable file", "check the path");
   try {
-    return parsed(stream, where);
+    return parse_json(stream, where);
   } catch (const json::parse_error& e) {
     throw common::InputError("the scene is not JSON", file.string(), e.what(), "correct the text at that byte");
   }
@@ -138,7 +139,7 @@ json document_of(const std::filesystem::path& file, const std::string& where) {
 Segment read_segment(const json& entry, const std::string& where) {
   CheckedObject o(entry, where);
   const Segment segment{o.text("branch", "main"), o.number("s_start_mm", 0, 1e4), o.number("s_end_mm", 0, 1e4)};
-  o.finish();
+  o.refuse_unknown_keys();
   if (segment.s_end <= segment.s_start)
     throw common::InputError("the segment ends before it starts", where, entry.dump(), "give s_start_mm < s_end_mm");
   return segment;
@@ -148,7 +149,7 @@ void read_settings(CheckedObject& o, Scene& scene) {
   CheckedObject wall(o.child("wall", false), o.path("wall")), numerics(o.child("numerics", false), o.path("numerics"));
   scene.wall = read_wall(wall);
   scene.numerics = read_numerics(numerics);
-  scene.settings = {{"wall", wall.used}, {"numerics", numerics.used}, {"map_pa", scene.map_pa}};
+  scene.settings = {{"wall", wall.values_read}, {"numerics", numerics.values_read}, {"map_pa", scene.map_pa}};
 }
 
 void read_devices(CheckedObject& o, Scene& scene) {
@@ -169,7 +170,7 @@ void read_devices(CheckedObject& o, Scene& scene) {
     if (!scene.balloons.contains(stent.balloon))
       throw common::InputError("a stent without its delivery balloon", at + ".balloon", stent.balloon,
                                "add that balloon under devices");
-    check_mounted(stent, scene.balloons.at(stent.balloon), at);
+    check_stent_on_balloon(stent, scene.balloons.at(stent.balloon), at);
   }
 }
 
@@ -189,15 +190,15 @@ void read_procedure(CheckedObject& o, Scene& scene) {
 void read_intervention(CheckedObject& o, Scene& scene) {
   CheckedObject patient(o.child("patient", true), o.path("patient"));
   scene.map_pa = patient.number("map_pa", 1000, 40000);
-  patient.finish();
+  patient.refuse_unknown_keys();
   read_settings(o, scene);
   read_devices(o, scene);
   read_procedure(o, scene);
 }
 
-Scene scene_of(const std::filesystem::path& file) {
+Scene load_scene(const std::filesystem::path& file) {
   const std::string where = file.string() + ": scene";
-  CheckedObject o(document_of(file, where), where);
+  CheckedObject o(read_document(file, where), where);
   const std::string schema = o.text("schema");
   if (schema != "vci-scene-1")
     throw common::InputError("not a scene of this version", o.path("schema"), schema, "write \"vci-scene-1\"");
@@ -213,25 +214,25 @@ Scene scene_of(const std::filesystem::path& file) {
   if (o.has("reference")) // a proposed plan writes it for the report's page; not used here
     o.child("reference", true);
   read_intervention(o, scene);
-  o.finish();
+  o.refuse_unknown_keys();
   return scene;
 }
 
 } // namespace
 
 Scene scene_from(const json& entries, const std::string& name) {
-  return reading(name, [&] {
+  return guarded_read(name, [&] {
     Scene scene;
     scene.file = scene.lumen = scene.centreline = name;
     CheckedObject o(entries, name + ": scene");
     read_intervention(o, scene);
-    o.finish();
+    o.refuse_unknown_keys();
     return scene;
   });
 }
 
 Scene read_scene(const std::filesystem::path& file) {
-  return reading(file, [&] { return scene_of(file); });
+  return guarded_read(file, [&] { return load_scene(file); });
 }
 
 } // namespace vci

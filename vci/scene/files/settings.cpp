@@ -13,38 +13,38 @@ namespace {
 void read_plaque(CheckedObject& parent, const std::string& type, PlaqueSpec& p) {
   CheckedObject o(parent.child(type, false), parent.path(type));
   p.youngs_modulus = o.number("youngs_modulus_mpa", 1e-3, 1e5, p.youngs_modulus);
-  p.yield_strain = o.number_or_never("yield_strain", 1e-3, 1, p.yield_strain);
+  p.yield_strain = o.number_or_infinity("yield_strain", 1e-3, 1, p.yield_strain);
   p.hardening = o.number("hardening", 0, 1, p.hardening);
-  o.finish();
-  parent.used[type] = o.used;
-  parent.table[type] = o.table;
+  o.refuse_unknown_keys();
+  parent.values_read[type] = o.values_read;
+  parent.key_schemas[type] = o.key_schemas;
 }
 
 /// Refuses settings off their defaults that only the integration not chosen uses. They would be ignored silently.
 void refuse_unused(const CheckedObject& o, const Numerics& n) {
   struct Setting {
     const char* key;
-    double value, usual;
+    double value, default_value;
   };
-  const IntegratorSettings &i = n.integrator, usual;
+  const IntegratorSettings &i = n.integrator, defaults;
   const std::vector<Setting> of_textbook{
-      {"fixed_step_ms", i.fixed_step, usual.fixed_step},
-      {"velocity_stop_mm_per_ms", i.velocity_stop, usual.velocity_stop},
+      {"fixed_step_ms", i.fixed_step, defaults.fixed_step},
+      {"velocity_stop_mm_per_ms", i.velocity_stop, defaults.velocity_stop},
   };
   const std::vector<Setting> of_adaptive{
-      {"residual_tolerance", i.residual_tolerance, usual.residual_tolerance},
-      {"maximal_penetration_mm", i.maximal_penetration, usual.maximal_penetration},
-      {"displacement_per_step_mm", i.displacement_per_step, usual.displacement_per_step},
-      {"initial_step_ms", i.initial_step, usual.initial_step},
-      {"maximal_step_ms", i.maximal_step, usual.maximal_step},
-      {"stalled_steps_per_stage", static_cast<double>(i.stalled_steps), static_cast<double>(usual.stalled_steps)},
-      {"pcg_patch_vertices", static_cast<double>(i.pcg.patch_size), static_cast<double>(usual.pcg.patch_size)},
-      {"damping_mpa_ms_per_mm", i.damping, usual.damping},
-      {"stiffness_damping_ms", i.stiffness_damping, usual.stiffness_damping},
+      {"residual_tolerance", i.residual_tolerance, defaults.residual_tolerance},
+      {"maximal_penetration_mm", i.maximal_penetration, defaults.maximal_penetration},
+      {"displacement_per_step_mm", i.displacement_per_step, defaults.displacement_per_step},
+      {"initial_step_ms", i.initial_step, defaults.initial_step},
+      {"maximal_step_ms", i.maximal_step, defaults.maximal_step},
+      {"stalled_steps_per_stage", static_cast<double>(i.stalled_steps), static_cast<double>(defaults.stalled_steps)},
+      {"pcg_patch_vertices", static_cast<double>(i.pcg.patch_size), static_cast<double>(defaults.pcg.patch_size)},
+      {"damping_mpa_ms_per_mm", i.damping, defaults.damping},
+      {"stiffness_damping_ms", i.stiffness_damping, defaults.stiffness_damping},
       {"region_margin_mm", n.region_margin, Numerics{}.region_margin},
   };
   for (const Setting& s : i.textbook ? of_adaptive : of_textbook)
-    if (s.value != s.usual)
+    if (s.value != s.default_value)
       throw common::InputError(i.textbook ? "a setting of adaptive integration, in textbook integration"
                                           : "a setting of textbook integration, without it",
                                o.path(s.key), std::to_string(s.value),
@@ -62,7 +62,7 @@ WallSpec read_wall(CheckedObject& o) {
       "spring_mapping", {{"lame", SpringMapping::lame}, {"van_gelder", SpringMapping::van_gelder}}, w.spring_mapping);
   if (w.model != WallModel::mass_spring && w.spring_mapping != WallSpec{}.spring_mapping)
     throw common::InputError("a mapping to springs, without any", o.path("spring_mapping"),
-                             o.used.at("spring_mapping").get<std::string>(),
+                             o.values_read.at("spring_mapping").get<std::string>(),
                              "set model to mass-spring, or leave it out");
   w.youngs_modulus = o.number("youngs_modulus_mpa", 1e-3, 100, w.youngs_modulus); // a larger value is likely in kPa
   w.poisson_ratio = o.number("poisson_ratio", 0, 0.499, w.poisson_ratio);
@@ -77,10 +77,10 @@ WallSpec read_wall(CheckedObject& o) {
   read_plaque(plaque, "fibrous", w.plaque[1]);
   read_plaque(plaque, "lipid", w.plaque[2]);
   read_plaque(plaque, "calcified", w.plaque[3]);
-  plaque.finish();
-  o.used["plaque"] = plaque.used;
-  o.table["plaque"] = plaque.table;
-  o.finish();
+  plaque.refuse_unknown_keys();
+  o.values_read["plaque"] = plaque.values_read;
+  o.key_schemas["plaque"] = plaque.key_schemas;
+  o.refuse_unknown_keys();
   return w;
 }
 
@@ -124,7 +124,7 @@ Numerics read_numerics(CheckedObject& o) {
     throw common::InputError("a first step longer than any may be", o.path("initial_step_ms"),
                              std::to_string(i.initial_step) + " ms, maximal_step_ms " + std::to_string(i.maximal_step),
                              "lower it, or raise maximal_step_ms");
-  o.finish();
+  o.refuse_unknown_keys();
   return n;
 }
 
@@ -132,7 +132,7 @@ json settings_table() {
   CheckedObject wall(json::object(), "wall"), numerics(json::object(), "numerics");
   read_wall(wall);
   read_numerics(numerics);
-  return {{"wall", wall.table}, {"numerics", numerics.table}};
+  return {{"wall", wall.key_schemas}, {"numerics", numerics.key_schemas}};
 }
 
 } // namespace vci

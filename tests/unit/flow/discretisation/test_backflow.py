@@ -20,7 +20,7 @@ LENGTH, RADIUS, DENSITY = 4.0, 1.2, 1060.0
 def space(tmp_path_factory):
     """A short tube along x."""
     path = tmp_path_factory.mktemp("backflow") / "mesh.msh"
-    tree = centreline.Tree([tubes.line(LENGTH, lambda s: RADIUS)])
+    tree = centreline.Tree([tubes.centre_branch(LENGTH, lambda s: RADIUS)])
     built, _ = mesh.build(tubes.tube(LENGTH, lambda s: RADIUS, 0.6), tree, 1.5, settings.make(), 2, 2.0)
     mesh.write(built, path)
     return spaces.read(path)
@@ -31,7 +31,7 @@ def _powers(space, speed, coefficient):
     state = fem.Function(space.W)
     state.sub(0).interpolate(lambda x: np.stack([speed(x[1]), 0 * x[0], 0 * x[0]]))
     forms = NavierStokes(space, state, DENSITY, viscosity.Newtonian(0.004), 0.2, coefficient)
-    leaves = fem.assemble_scalar(compat.form(forms.kinetic(tuple(space.outlets))))
+    leaves = fem.assemble_scalar(compat.form(forms.kinetic_energy_flow(tuple(space.outlet_tags))))
     return leaves, fem.assemble_scalar(compat.form(ufl.action(forms.losses["backflow"], state)))
 
 

@@ -45,7 +45,7 @@ def _free(problem, compiled):
     """Entries between the free dofs of a compiled form over W, as PETSc assembles them one by one."""
     matrix = fem_petsc.assemble_matrix(compiled)
     matrix.assemble()
-    chosen = PETSc.IS().createGeneral(problem.space.free, comm=PETSc.COMM_SELF)
+    chosen = PETSc.IS().createGeneral(problem.space.free_dofs, comm=PETSc.COMM_SELF)
     part = matrix.createSubMatrix(chosen, chosen)
     found = _csr(part)
     for petsc_object in (matrix, chosen, part):
@@ -64,31 +64,31 @@ def _apart(one, other):
 
 @pytest.mark.parametrize("eps", [0.0, 0.3])
 def test_it_is_the_whole_tangent_between_the_free_dofs(problem, eps):
-    problem.forms.artificial.value = eps
+    problem.forms.artificial_viscosity.value = eps
     built, values = tangent.FreeMatrix(problem.space, problem.forms), problem.state.x.array
     for factor in (1.0, -0.5):  # filled again, at another state
         values *= factor
         built.assemble(problem.forms.tangent)
-        assert _apart(_csr(built.matrix), _free(problem, whole_tangent.of(problem.forms))) < 1e-14
+        assert _apart(_csr(built.matrix), _free(problem, whole_tangent.compile_tangent(problem.forms))) < 1e-14
     built.destroy()
 
 
 def test_the_artificial_viscosity_changes_it(problem):
     """What the test above compares at eps > 0 is not the part without."""
-    plain = _free(problem, whole_tangent.of(problem.forms))
-    problem.forms.artificial.value = 0.3
-    assert _apart(_free(problem, whole_tangent.of(problem.forms)), plain) > 1e-6
+    plain = _free(problem, whole_tangent.compile_tangent(problem.forms))
+    problem.forms.artificial_viscosity.value = 0.3
+    assert _apart(_free(problem, whole_tangent.compile_tangent(problem.forms)), plain) > 1e-6
 
 
 @pytest.mark.parametrize("eps", [0.0, 0.3])
 def test_picards_matrix_convects_by_the_state_alone(problem, eps):
     """By a form of its own: rho (w.grad u + div w u / 2, v) of the state w and the rest of the equations."""
     u, _ = ufl.split(problem.state)
-    problem.forms.artificial.value = eps
+    problem.forms.artificial_viscosity.value = eps
     W, mesh = problem.space.W, problem.space.mesh
     (du, dp), (v, q) = ufl.TrialFunctions(W), ufl.TestFunctions(W)
     n, dx = ufl.FacetNormal(mesh), ufl.dx(metadata={"quadrature_degree": 5})
-    ds = ufl.Measure("ds", domain=mesh, subdomain_data=problem.space.facets, metadata={"quadrature_degree": 6})
+    ds = ufl.Measure("ds", domain=mesh, subdomain_data=problem.space.facet_tags, metadata={"quadrature_degree": 6})
     carried = ufl.dot(ufl.grad(du), u) + 0.5 * ufl.div(u) * du
     inward = 0.5 * (ufl.dot(u, n) - abs(ufl.dot(u, n)))
     width = (6 / 8 * abs(ufl.JacobianDeterminant(mesh)) ** (2 / 3)) ** 0.5  # about half an edge
@@ -96,11 +96,11 @@ def test_picards_matrix_convects_by_the_state_alone(problem, eps):
     wanted = DENSITY * ufl.inner(carried, v) * dx
     wanted += 0.004 * ufl.inner(ufl.grad(du), ufl.grad(v)) * dx + given.grad_div_pa_s * ufl.div(du) * ufl.div(v) * dx
     wanted -= (dp * ufl.div(v) + q * ufl.div(du)) * dx
-    speed = ufl.sqrt(ufl.inner(u, u) + navier_stokes.SLOWEST**2)
+    speed = ufl.sqrt(ufl.inner(u, u) + navier_stokes.SPEED_FLOOR**2)
     coarser = ufl.dx(metadata={"quadrature_degree": 3})
     factor = fem.Constant(mesh, PETSc.ScalarType(eps))
     wanted += DENSITY * factor * width * speed * ufl.inner(ufl.grad(du), ufl.grad(v)) * coarser
-    wanted -= DENSITY * given.backflow_coefficient * inward * ufl.inner(du, v) * ds(tuple(problem.space.outlets))
+    wanted -= DENSITY * given.backflow_coefficient * inward * ufl.inner(du, v) * ds(tuple(problem.space.outlet_tags))
     built = tangent.FreeMatrix(problem.space, problem.forms)
     built.assemble(problem.forms.picard)
     found = _free(problem, compat.form(wanted))
@@ -113,7 +113,7 @@ def test_picards_matrix_convects_by_the_state_alone(problem, eps):
 def test_inertia_adds_its_mass_to_residual_and_matrix(problem):
     built, inertia = tangent.FreeMatrix(problem.space, problem.forms), marching.Inertia(problem)
     inertia.weight, state = 300.0, problem.state_vector()
-    inertia.past = 300.0 * state.array_r + 7.0  # a rate of change of -7 m/s2 in every dof
+    inertia.past_terms = 300.0 * state.array_r + 7.0  # a rate of change of -7 m/s2 in every dof
     force, base = state.duplicate(), np.random.default_rng(1).normal(size=problem.space.dofs)
     force.array[:] = base
     inertia.add_force(force, state)
@@ -135,13 +135,13 @@ def test_inertia_adds_its_mass_to_residual_and_matrix(problem):
 def test_products_with_a_profile_are_those_of_the_whole_matrix(problem):
     built, profile = tangent.FreeMatrix(problem.space, problem.forms), problem.boundaries.profile.x.array
     built.assemble(problem.forms.tangent)
-    matrix = fem_petsc.assemble_matrix(whole_tangent.of(problem.forms))
+    matrix = fem_petsc.assemble_matrix(whole_tangent.compile_tangent(problem.forms))
     matrix.assemble()
     given, found = matrix.createVecs()
     given.array[:] = profile
     for transposed, product in ((False, matrix.mult), (True, matrix.multTranspose)):
         product(given, found)
-        assert np.abs(built.times(profile, transposed) - found.array).max() < 1e-13 * np.abs(found.array).max()
+        assert np.abs(built.multiply(profile, transposed) - found.array).max() < 1e-13 * np.abs(found.array).max()
     matrix.destroy()
     built.destroy()
 
@@ -150,8 +150,8 @@ def test_without_artificial_viscosity_the_residual_is_that_of_none(problem):
     """The forms without it, which are used where eps is 0, are those with it at a vanishing eps."""
     vector, found = problem.full_residual.duplicate(), []
     for factor in (0.0, 1e-15, 0.3):
-        problem.forms.artificial.value = factor
-        problem.forms.assembled(vector)
+        problem.forms.artificial_viscosity.value = factor
+        problem.forms.assemble_residual(vector)
         found.append(vector.array.copy())
     size = np.linalg.norm(found[0])
     assert np.linalg.norm(found[1] - found[0]) < 1e-13 * size < 1e-6 * np.linalg.norm(found[2] - found[0])
@@ -163,6 +163,6 @@ def test_the_viscosity_by_shear_rate_is_in_the_matrix(problem):
     weak = forms.NavierStokes(problem.space, problem.state, DENSITY, thick, 0.2, 0.5)
     built = tangent.FreeMatrix(problem.space, weak)
     built.assemble(weak.tangent)
-    assert _apart(_csr(built.matrix), _free(problem, whole_tangent.of(weak))) < 1e-14
-    assert _apart(_csr(built.matrix), _free(problem, whole_tangent.of(problem.forms))) > 1e-6
+    assert _apart(_csr(built.matrix), _free(problem, whole_tangent.compile_tangent(weak))) < 1e-14
+    assert _apart(_csr(built.matrix), _free(problem, whole_tangent.compile_tangent(problem.forms))) > 1e-6
     built.destroy()

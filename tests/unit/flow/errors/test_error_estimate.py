@@ -16,7 +16,7 @@ EDGES = [(0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3)]
 
 def _solved(cells, sampler, artificial=0.0):
     space = types.SimpleNamespace(nodes=lambda: (np.zeros((1, 3)), np.zeros((cells, 10), int)))
-    problem = types.SimpleNamespace(artificial=artificial)
+    problem = types.SimpleNamespace(artificial_viscosity=artificial)
     return types.SimpleNamespace(space=space, problem=problem, sampler=sampler, outflows=None)
 
 
@@ -27,7 +27,9 @@ def goal(monkeypatch):
 
     def gives(*values, artificial=0.0):
         parts = np.outer([1.0, 2.0], [*values, artificial])
-        monkeypatch.setattr(error_estimate.error_field, "of", lambda solved, document, tree: (parts, None))
+        monkeypatch.setattr(
+            error_estimate.error_field, "solve_error_field", lambda solved, document, tree: (parts, None)
+        )
 
     gives(0.0)
     return gives
@@ -35,7 +37,7 @@ def goal(monkeypatch):
 
 def _of(solved, coarser=None):
     """The estimate; at the second probe FFR is lower by .1 on each mesh."""
-    return error_estimate.of(solved, None, None, lambda sampler: [sampler, sampler - 0.1], coarser)
+    return error_estimate.estimate_error(solved, None, None, lambda sampler: [sampler, sampler - 0.1], coarser)
 
 
 def test_second_order_error_is_found_exactly(goal):
@@ -54,7 +56,7 @@ def test_meshes_that_agree_do_not_hide_the_residual(goal):
         [0.004 * (1 + error_estimate.PART_UNCERTAINTY), 0.008 * (1 + error_estimate.PART_UNCERTAINTY)]
     )
     assert estimate["probes"][0] == estimate["ffr"]
-    assert "probes" not in error_estimate.document(estimate) and error_estimate.document(None) is None
+    assert "probes" not in error_estimate.shown_entries(estimate) and error_estimate.shown_entries(None) is None
 
 
 def test_parts_that_cancel_are_not_taken_for_an_exact_answer(goal):
@@ -68,8 +70,10 @@ def test_parts_that_cancel_are_not_taken_for_an_exact_answer(goal):
 
 def test_stretches_are_a_diameter_long():
     """Along each branch by its own diameter, and none of two branches."""
-    wide, narrow = (tubes.line(10.0, lambda s, r=r: r, name=name) for name, r in (("main", 1.25), ("side", 0.5)))
-    found = error_field.stretches(centreline.Tree([wide, narrow]))
+    wide, narrow = (
+        tubes.centre_branch(10.0, lambda s, r=r: r, name=name) for name, r in (("main", 1.25), ("side", 0.5))
+    )
+    found = error_field.stretch_numbers(centreline.Tree([wide, narrow]))
     first, second = found[: len(wide.s_mm)], found[len(wide.s_mm) :]
     assert [int(np.sum(first == k)) for k in range(4)] == [10] * 4  # points every .25 mm
     assert first.max() == 4 and second.min() == 5 and second.max() == 15
@@ -84,7 +88,7 @@ def test_remaining_artificial_viscosity_is_counted(goal):
     goal(0.001, artificial=-0.02)
     estimate = _of(_solved(1000, 0.75, 0.18))
     assert estimate["ffr"] == pytest.approx(
-        0.001 * (1 + error_estimate.PART_UNCERTAINTY) + 0.02 * error_estimate.SAFETY
+        0.001 * (1 + error_estimate.PART_UNCERTAINTY) + 0.02 * error_estimate.SAFETY_FACTOR
     )
     assert estimate["probes"][1] == pytest.approx(2 * estimate["ffr"])
     assert estimate["artificial_viscosity"] == pytest.approx(-0.02)
@@ -102,7 +106,7 @@ def test_two_meshes_know_nothing_of_an_artificial_viscosity(monkeypatch):
     def no_dual(solved, document, tree):
         raise ComputationError("the solve failed", "dual", "none", "none")
 
-    monkeypatch.setattr(error_estimate.error_field, "of", no_dual)
+    monkeypatch.setattr(error_estimate.error_field, "solve_error_field", no_dual)
     assert _of(_solved(8000, 0.75), _solved(1000, 0.7))["ffr"] == pytest.approx(0.05 / 3)
     assert _of(_solved(8000, 0.75, 0.02), _solved(1000, 0.7, 0.02)) is None
 
@@ -144,11 +148,11 @@ def test_recovery_does_not_depend_on_how_many_patches_are_fitted_together(monkey
 
     def found():
         patches = recovery.Patches(nodes, ten)
-        back = patches.transposed([(3, ten, loads, nodes, ten, group)], 4)[0]
+        back = patches.recover_transposed([(3, ten, loads, nodes, ten, group)], 4)[0]
         return patches.recover([(3, ten, values, nodes, ten)])[0], *(part.toarray() for part in back)
 
     together = found()
-    monkeypatch.setattr(recovery, "AT_ONCE", 1)
+    monkeypatch.setattr(recovery, "LARGEST_BATCH", 1)
     for alone, with_others in zip(found(), together):
         assert alone == pytest.approx(with_others, rel=1e-9, abs=1e-9 * np.abs(with_others).max())
 

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 import scipy.sparse
 
-import by_dual
+import dual_solutions
 import tubes
 from flow import __main__ as command_line
 from flow.errors import error_estimate, error_field
@@ -25,7 +25,7 @@ MAP = 12000.0
 
 
 class _Case:
-    """A mesh and its steady flow, as solvers.solved_mesh.Solved."""
+    """A mesh and its steady flow, as solvers.solved_mesh.SolvedMesh."""
 
     def __init__(self, folder, surface, branches, parents, document, probes_mm):
         tubes.write_case(folder, surface, branches, parents)
@@ -47,8 +47,8 @@ class _Case:
         self.boundaries, self.estimate = outlets.Boundaries(self.space, document), None
         self.problem = nonlinear.FlowProblem(self.space, self.boundaries, document, settings_module.make())
         assert newton.newton(self.problem, 1e-11, 1.0, 12).converged
-        self.names = self.boundaries.names
-        self.case = types.SimpleNamespace(extensions=[], document=document, original=self.tree)
+        self.outlet_names = self.boundaries.outlet_names
+        self.case = types.SimpleNamespace(extensions=[], document=document, original_tree=self.tree)
         self.read()
 
     def read(self):
@@ -58,7 +58,7 @@ class _Case:
     def places(self):
         """All outlets, and the pull-back."""
         table = ffr.pullback(self.tree, self.sampler, MAP, lambda branch, s_mm: 0.0)
-        return pointwise.Places(self, self.case, self.names, table), table
+        return pointwise.FfrPlaces(self, self.case, self.outlet_names, table), table
 
 
 def _document(branches, resistances):
@@ -77,7 +77,7 @@ def fork(tmp_path_factory):
 def driven(tmp_path_factory):
     """A tube narrowed by 30 % with the inflow given, and behind its outlet a pressure."""
     radius = tubes.lesion(1.2, 0.3, 4.0, 4.0)
-    branches = [tubes.line(8.0, radius)]
+    branches = [tubes.centre_branch(8.0, radius)]
     document = _document(branches, [0.0])
     document["inlet_flow_m3_per_s"] = 2e-6
     document["outlets"][0]["pressure_pa"] = 11000.0
@@ -90,8 +90,10 @@ def case(request):
 
 
 def test_the_fields_give_the_parts_of_the_dual_solutions(case):
-    """At each probe, by the transposed of all that by_dual does."""
-    wanted, (found, field) = by_dual.of(case, case.document, case.tree), error_field.of(case, case.document, case.tree)
+    """At each probe, by the transposed of all that dual_solutions does."""
+    wanted, (found, field) = dual_solutions.error_parts(case, case.document, case.tree), error_field.solve_error_field(
+        case, case.document, case.tree
+    )
     assert found.shape[1] == wanted.shape[1] + 1 and wanted.shape[1] > 3
     assert np.abs(found[:, :-1] - wanted).max() < 1e-6 * np.abs(wanted).max()
     assert field.pressure.shape[1] == found.shape[1] and (found[:, -1] == 0).all()
@@ -101,21 +103,23 @@ def test_parts_are_the_derivative_of_ffr(case):
     """Of a field that is any small change of the flow: FFR changes by the parts, at outlets and round points."""
     random, space = np.random.default_rng(5), case.space
     change = np.zeros(space.dofs)
-    change[space.free] = random.standard_normal(len(space.free)) * np.where(case.problem.free_velocity, 1e-3, 1.0)
+    change[space.free_dofs] = random.standard_normal(len(space.free_dofs)) * np.where(
+        case.problem.free_velocity, 1e-3, 1.0
+    )
     made_up = types.SimpleNamespace(state=case.problem.state, responses=lambda loads: change[:, None] * np.ones(1))
     given = types.SimpleNamespace(
         problem=made_up, space=space, boundaries=case.boundaries, sampler=case.sampler, outflows=case.outflows
     )
-    field = error_field.Field(given, scipy.sparse.csc_matrix((space.dofs, 1)))
+    field = error_field.ErrorField(given, scipy.sparse.csc_matrix((space.dofs, 1)))
     points, radii = case.tree.main.point(np.array([2.0, 5.0])), np.array([1.0, 0.8])
-    found = field.parts(case.document, case.tree, case.names, points, radii)[:, 0]
+    found = field.ffr_changes(case.document, case.tree, case.outlet_names, points, radii)[:, 0]
     values, step, sides = case.problem.state.x.array.copy(), 1e-3, []
     for sign in (1, -1):
         case.problem.state.x.array[:] = values + sign * step * change
         pressures = case.boundaries.pressures(case.boundaries.outflows(case.problem.state_vector()))
-        moved = error_field.Field(given, scipy.sparse.csc_matrix((space.dofs, 1)))
-        round_points = moved._means(points, radii) @ moved.flow_pressure
-        at_inlet = moved._means(case.tree.main.point(0.0)[None], np.array([case.tree.main.radius(0.0)]))
+        moved = error_field.ErrorField(given, scipy.sparse.csc_matrix((space.dofs, 1)))
+        round_points = moved._averaging_matrix(points, radii) @ moved.flow_pressure
+        at_inlet = moved._averaging_matrix(case.tree.main.point(0.0)[None], np.array([case.tree.main.radius(0.0)]))
         reference = MAP if case.boundaries.inflow is None else (at_inlet @ moved.flow_pressure)[0]
         sides.append(np.append(pressures, round_points) / reference)
     case.problem.state.x.array[:] = values
@@ -132,7 +136,7 @@ def test_loads_say_what_recovery_makes_of_values(case):
     loads, group = random.standard_normal((len(targets), 1)), random.integers(0, 3, len(targets))
     of = np.arange(len(targets))[:, None]
     smooth = patches.recover([(3, cells, values, targets, of)])[0]
-    ((found,),) = patches.transposed([(3, cells, loads, targets, of, group)], 3)
+    ((found,),) = patches.recover_transposed([(3, cells, loads, targets, of, group)], 3)
     wanted = np.bincount(group, (smooth * loads)[:, 0])
     assert found.T @ values[:, 0] == pytest.approx(wanted, rel=1e-8)
 
@@ -145,12 +149,12 @@ def test_interpolation_is_told_apart_from_the_values(fork):
 
     sampler = locate.FieldSampler(fork.space, fork.problem.state.x.array)
     sampler.pressure = quadratic(sampler.points)
-    field = error_field.Field.__new__(error_field.Field)
+    field = error_field.ErrorField.__new__(error_field.ErrorField)
     field.sampler = sampler
     points_mm = fork.tree.main.point(np.linspace(2.0, 14.0, 40))
     error = np.abs(sampler(1e-3 * points_mm)[1] - quadratic(1e-3 * points_mm))
     assert error.max() > 100.0
-    assert field.interpolation_pa(points_mm) == pytest.approx(error, rel=1e-6, abs=1e-6 * error.max())
+    assert field.interpolation_error_pa(points_mm) == pytest.approx(error, rel=1e-6, abs=1e-6 * error.max())
 
 
 def test_the_artificial_viscositys_part_is_eps_times_the_derivative_of_ffr(fork):
@@ -158,36 +162,36 @@ def test_the_artificial_viscositys_part_is_eps_times_the_derivative_of_ffr(fork)
     problem, document, tree = fork.problem, fork.document, fork.tree
     values, inflow, found = problem.state.x.array.copy(), problem.inflow, {}
     for eps in (0.048, 0.052, 0.05):
-        problem.forms.artificial.value = eps
+        problem.forms.artificial_viscosity.value = eps
         assert newton.newton(problem, 1e-12, 1.0, 12).converged
-        problem.outdate()  # the tangent of the flow itself, not of one near by
-        along, field = error_field.of(fork, document, tree)
+        problem.mark_outdated()  # the tangent of the flow itself, not of one near by
+        along, field = error_field.solve_error_field(fork, document, tree)
         points = [tree.main.point(one["s_mm"]) for one in document["probes"]]
         radii = np.array([tree.main.radius(one["s_mm"]) for one in document["probes"]])
-        found[eps] = field._means(np.array(points), radii) @ field.flow_pressure / MAP
-    problem.forms.artificial.value, problem.state.x.array[:], problem.inflow = 0.0, values, inflow
-    problem.outdate()
+        found[eps] = field._averaging_matrix(np.array(points), radii) @ field.flow_pressure / MAP
+    problem.forms.artificial_viscosity.value, problem.state.x.array[:], problem.inflow = 0.0, values, inflow
+    problem.mark_outdated()
     assert np.abs(along[:, -1]).max() > 1e-4
     assert along[:, -1] == pytest.approx(0.05 * (found[0.052] - found[0.048]) / 0.004, rel=1e-3)
 
 
 def _estimated(case, **basis):
-    """(errors at outlets and pull-back, method) with a Basis."""
+    """(errors at outlets and pull-back, method) with an EstimateBasis."""
     places, _ = case.places()
-    solved = types.SimpleNamespace(**{**vars(case), "estimate": {"basis": error_estimate.Basis(**basis)}})
-    return pointwise.of(solved, places)
+    solved = types.SimpleNamespace(**{**vars(case), "estimate": {"basis": error_estimate.EstimateBasis(**basis)}})
+    return pointwise.estimate_errors(solved, places)
 
 
 def test_each_part_of_an_estimate_counts(fork):
-    _, field = error_field.of(fork, fork.document, fork.tree)
+    _, field = error_field.solve_error_field(fork, fork.document, fork.tree)
     residual, method = _estimated(fork, field=field)
     assert residual.shape == (2 + 33 + 13,) and (residual >= 0).all() and residual[:2].min() > 0
     assert "residual" in method and "meshes" not in method
     places, _ = fork.places()
-    parts = field.parts(fork.document, fork.tree, fork.names, places.points_mm, places.radii_mm)
-    assert residual[:2] == pytest.approx(error_estimate.of_parts(parts[:, :-1])[:2])
-    read = field.interpolation_pa(places.points_mm) / MAP
-    assert residual[2:] == pytest.approx(error_estimate.of_parts(parts[:, :-1])[2:] + read) and read.max() > 1e-6
+    parts = field.ffr_changes(fork.document, fork.tree, fork.outlet_names, places.points_mm, places.radii_mm)
+    assert residual[:2] == pytest.approx(error_estimate.error_of_parts(parts[:, :-1])[:2])
+    read = field.interpolation_error_pa(places.points_mm) / MAP
+    assert residual[2:] == pytest.approx(error_estimate.error_of_parts(parts[:, :-1])[2:] + read) and read.max() > 1e-6
     lower = locate.FieldSampler(fork.space, fork.problem.state.x.array)
     lower.pressure = fork.sampler.pressure - 0.01 * MAP
     pair = (fork.sampler, fork.outflows), (lower, fork.outflows * 1.01), 0.5
@@ -198,14 +202,14 @@ def test_each_part_of_an_estimate_counts(fork):
     both, method = _estimated(fork, field=field, pair=pair)
     assert both == pytest.approx(np.maximum(residual, meshes)) and "two meshes" in method
     answer, (_, table) = {"outlets": [{}, {}]}, fork.places()
-    pointwise.write(fork, fork.case, answer, table)
+    pointwise.add_estimates(fork, fork.case, answer, table)
     assert answer == {"outlets": [{"error_estimate": None}] * 2, "pullback_error_estimate": None}
-    assert table[pointwise.COLUMN].isna().all()
+    assert table[pointwise.ESTIMATE_COLUMN].isna().all()
 
 
 def test_an_outlet_behind_an_extension_has_the_error_of_its_vessels_end(fork):
     """As the last point of the pull-back of its branch, whatever the order of the outlets; the others keep theirs."""
-    _, field = error_field.of(fork, fork.document, fork.tree)
+    _, field = error_field.solve_error_field(fork, fork.document, fork.tree)
     plain, _ = _estimated(fork, field=field)
     last = [2 + 32, 2 + 33 + 12]  # of the branches' points
     assert (np.abs(plain[last] - plain[:2]) > 1e-3 * plain[last]).all()
@@ -213,20 +217,22 @@ def test_an_outlet_behind_an_extension_has_the_error_of_its_vessels_end(fork):
     for longer, document in ([3], fork.document), ([2, 3], turned):
         extensions = [types.SimpleNamespace(region_id=region) for region in longer]
         given = types.SimpleNamespace(**vars(fork))
-        given.case = types.SimpleNamespace(extensions=extensions, document=document, original=fork.tree)
-        given.places = lambda: (pointwise.Places(given, given.case, fork.names, fork.places()[1]), None)
+        given.case = types.SimpleNamespace(extensions=extensions, document=document, original_tree=fork.tree)
+        given.places = lambda: (pointwise.FfrPlaces(given, given.case, fork.outlet_names, fork.places()[1]), None)
         found, _ = _estimated(given, field=field)
         wanted = [plain[last[k]] if k + 2 in longer else plain[k] for k in range(2)]
         assert found == pytest.approx(np.append(wanted, plain[2:]), rel=1e-9)
 
 
 def test_an_outlet_whose_pressure_is_given_has_no_error(driven):
-    _, field = error_field.of(driven, driven.document, driven.tree)
+    _, field = error_field.solve_error_field(driven, driven.document, driven.tree)
     errors, _ = _estimated(driven, field=field)
     assert errors[0] > 0  # over the inlet's pressure, which is found
     at_map = types.SimpleNamespace(**vars(driven))
-    at_map.case = types.SimpleNamespace(extensions=[], original=driven.tree, document={"map_pa": MAP, "outlets": []})
-    at_map.places = lambda: (pointwise.Places(at_map, at_map.case, at_map.names, driven.places()[1]), None)
+    at_map.case = types.SimpleNamespace(
+        extensions=[], original_tree=driven.tree, document={"map_pa": MAP, "outlets": []}
+    )
+    at_map.places = lambda: (pointwise.FfrPlaces(at_map, at_map.case, at_map.outlet_names, driven.places()[1]), None)
     assert _estimated(at_map, field=field)[0][0] == 0.0
 
 
@@ -240,7 +246,7 @@ def test_the_files_have_the_errors(fork, tmp_path, model):
         assert errors == [None, None] and table["ffr_error_estimate"].isna().all()
         assert answer["pullback_error_estimate"] is None
         return
-    _, field = error_field.of(fork, fork.document, fork.tree)
+    _, field = error_field.solve_error_field(fork, fork.document, fork.tree)
     wanted, _ = _estimated(fork, field=field)
     assert errors == pytest.approx(wanted[:2].tolist(), rel=1e-3)
     assert table["ffr_error_estimate"].to_numpy() == pytest.approx(wanted[2:], rel=1e-3, abs=1e-3 * wanted.max())

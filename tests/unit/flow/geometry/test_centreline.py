@@ -15,14 +15,14 @@ LENGTH, RADIUS = 24.0, 1.2  # mm
 
 
 def _changed(name, at, value):
-    line = tubes.line(LENGTH, lambda s: RADIUS)
+    line = tubes.centre_branch(LENGTH, lambda s: RADIUS)
     values = getattr(line, name).copy()
     values[at] = value
     return dataclasses.replace(line, **{name: values})
 
 
 def _scaled(**factors):
-    line = tubes.line(LENGTH, lambda s: RADIUS)
+    line = tubes.centre_branch(LENGTH, lambda s: RADIUS)
     return dataclasses.replace(line, **{name: factor * getattr(line, name) for name, factor in factors.items()})
 
 
@@ -59,7 +59,7 @@ def test_a_good_one_is_read(tmp_path):
 
 
 def test_descending_s_and_branches_of_one_name_are_refused(tmp_path):
-    line = tubes.line(LENGTH, lambda s: RADIUS)
+    line = tubes.centre_branch(LENGTH, lambda s: RADIUS)
     with pytest.raises(InputError, match="does not ascend"):
         centreline.read(_written(tmp_path, dataclasses.replace(line, s_mm=line.s_mm[::-1].copy())))
     with pytest.raises(InputError, match="two branches have the same name"):
@@ -70,13 +70,13 @@ def test_a_line_that_covers_part_of_the_lumen_is_refused(tmp_path, capsys):
     """By `flow mesh`, and by `flow rank`, whose model goes by the centreline; within a radius of the cap it may end."""
     tube = tubes.tube(LENGTH, lambda s: RADIUS, 0.6)
     for length, refused in ((LENGTH, False), (LENGTH - RADIUS, False), (9.75, True)):
-        tree = centreline.Tree([tubes.line(length, lambda s: RADIUS)])
+        tree = centreline.Tree([tubes.centre_branch(length, lambda s: RADIUS)])
         if refused:
             with pytest.raises(InputError, match="does not end at(.|\n)*line.vtp: end of main(.|\n)*12.1 of its radii"):
                 centreline.check_ends(tree, tube, "line.vtp")
         else:
             centreline.check_ends(tree, tube, "line.vtp")
-    half = [tubes.line(9.75, lambda s: RADIUS)]
+    half = [tubes.centre_branch(9.75, lambda s: RADIUS)]
     tubes.write_case(tmp_path / "plan", tube, half)
     line = ["--centreline", str(tmp_path / "plan" / "centreline.vtp")]
     document = tubes.boundary_document(half, [2e-6], [5e9], 8.0, 0.004)

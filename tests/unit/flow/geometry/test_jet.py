@@ -8,7 +8,7 @@ from flow.geometry import jet
 
 
 def test_jet_keeps_the_throat_and_widens_slowly():
-    branch = tubes.line(40, tubes.lesion(1.5, 0.6, 15, 10))
+    branch = tubes.centre_branch(40, tubes.lesion(1.5, 0.6, 15, 10))
     radius = jet.jet_radius(branch, 0.1)
     s = branch.s_mm
     assert radius[s <= 15] == pytest.approx(branch.radius_mm[s <= 15])
@@ -20,5 +20,5 @@ def test_jet_keeps_the_throat_and_widens_slowly():
 
 
 def test_no_jet_in_a_tapering_vessel():
-    branch = tubes.line(40, lambda s: 1.5 - 0.01 * s)
+    branch = tubes.centre_branch(40, lambda s: 1.5 - 0.01 * s)
     assert jet.jet_radius(branch, 0.1) == pytest.approx(branch.radius_mm)

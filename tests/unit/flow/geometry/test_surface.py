@@ -32,7 +32,7 @@ def test_a_centreline_of_another_state_is_refused():
     """A lesion, and the same opened; a tube moved aside. A side branch's line may start inside its parent."""
     closed, opened = tubes.lesion(1.5, 0.5, 8, 6), tubes.lesion(1.5, 0.1, 8, 6)
     wall = {radius: _wall(tubes.tube(16, radius, 0.4)) for radius in (closed, opened)}
-    tree = {radius: centreline.Tree([tubes.line(16, radius)]) for radius in (closed, opened)}
+    tree = {radius: centreline.Tree([tubes.centre_branch(16, radius)]) for radius in (closed, opened)}
     for radius in (closed, opened):
         centreline.check_wall(tree[radius], wall[radius], "lumen.vtp")
     aside = [0, 0.6, 0]
@@ -42,7 +42,9 @@ def test_a_centreline_of_another_state_is_refused():
     forked, branches = tubes.fork(length=12.0, at=6.0, side_radius=0.5, side_length=6.0, edge_mm=0.6)
     centreline.check_wall(centreline.Tree(branches), _wall(forked), "lumen.vtp")
     severe = tubes.lesion(1.5, 0.95, 8, 6)  # a throat of .08 mm between nodes .8 mm apart
-    centreline.check_wall(centreline.Tree([tubes.line(16, severe)]), _wall(tubes.tube(16, severe, 0.8)), "lumen.vtp")
+    centreline.check_wall(
+        centreline.Tree([tubes.centre_branch(16, severe)]), _wall(tubes.tube(16, severe, 0.8)), "lumen.vtp"
+    )
 
 
 def test_missing_file():

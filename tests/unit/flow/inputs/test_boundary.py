@@ -29,13 +29,13 @@ def test_pressures_out_of_order_are_refused(sbp, dbp):
 def test_hyperaemic_flow():
     # 0.71 * 150^0.75 = 30.4322 mL/min at rest
     expected = 0.71 * np.exp(0.75 * np.log(150)) / 0.16
-    assert hyperaemia.of_mass(150, 0.16) * 6e7 == pytest.approx(expected, rel=1e-12)
+    assert hyperaemia.flow_of_mass(150, 0.16) * 6e7 == pytest.approx(expected, rel=1e-12)
     assert expected == pytest.approx(190.2, abs=0.2)
 
 
 def test_implausible_mass_is_refused():
     with pytest.raises(InputError, match="grams"):
-        hyperaemia.of_mass(0.15, 0.16)
+        hyperaemia.flow_of_mass(0.15, 0.16)
 
 
 @pytest.mark.parametrize("anatomy", [{}, [], {"ends": []}, {"ends": [{"kind": "outlet"}]}])
@@ -76,8 +76,8 @@ def _anatomy(lesions=()):
 
 
 def _tree():
-    main = tubes.line(60, lambda s: 1.5)
-    side = tubes.line(20, lambda s: 0.75, name="side1", branch_id=1)
+    main = tubes.centre_branch(60, lambda s: 1.5)
+    side = tubes.centre_branch(20, lambda s: 0.75, name="side1", branch_id=1)
     return centreline.Tree([side, main])
 
 
@@ -155,7 +155,9 @@ def test_unusual_values_are_said(settings, capsys):
     flow, swapped = boundary.make(_anatomy(), _tree(), patient, settings, measured)["warnings"]
     assert "900 mL/min" in flow and "858" in flow and "0.71, is below measured.ffr_pre, 0.92" in swapped
     assert flow in capsys.readouterr().err
-    assert boundary.doubts(patient | {"hyperaemic_inflow_ml_per_min": 850}, measured | {"ffr_post": 0.92}) == []
+    assert (
+        boundary.patient_warnings(patient | {"hyperaemic_inflow_ml_per_min": 850}, measured | {"ffr_post": 0.92}) == []
+    )
     (unused,) = boundary.make(
         _anatomy(), _tree(), PATIENT | {"territory": "lad"}, settings_module.make(hyperaemia_fraction=0.32)
     )["warnings"]
@@ -390,7 +392,7 @@ def test_a_probe_in_metres_is_refused(settings):
 def test_boundary_values_say_where_the_flow_is_from(settings):
     """The share of a named territory; flows as plausible as the planned one for a real case alone."""
     patient = PATIENT | {"territory": "lad"}
-    document = boundary.make(_anatomy(), _tree(), patient, settings, ranged=True)
+    document = boundary.make(_anatomy(), _tree(), patient, settings, with_range=True)
     assert document["flow_source"] == {"territory": "lad", "share": pytest.approx(7 / 17), "by": "3.69 mL/min/g"}
     assert document["q_hyperaemic_m3_per_s"] * 6e7 == pytest.approx(3.69 * 150 * 7 / 17)
     assert {"mass -20 %", "hyperaemia +1 SD"} <= {one["what"] for one in document["plausible_flows"]}

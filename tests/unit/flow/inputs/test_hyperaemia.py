@@ -9,7 +9,7 @@ ML = 6e7  # mL/min in a m3/s
 
 
 def flow(**patient):
-    return hyperaemia.source({"sbp_mmhg": 120, "dbp_mmhg": 80, **patient}, 0.16)["flow_m3_per_s"] * ML
+    return hyperaemia.flow_source({"sbp_mmhg": 120, "dbp_mmhg": 80, **patient}, 0.16)["flow_m3_per_s"] * ML
 
 
 def test_whole_is_the_published_law():
@@ -48,16 +48,18 @@ def test_refusals(patient, what):
 def test_an_inflow_is_doubted_two_deviations_above_its_territory(territory, most):
     for given, doubted in ((most, False), (most + 1, True)):
         patient = {"hyperaemic_inflow_ml_per_min": given, "territory": territory}
-        assert bool(hyperaemia.doubts(patient)) == doubted
-    assert hyperaemia.doubts({"lvm_g": 500}) == []
+        assert bool(hyperaemia.flow_warnings(patient)) == doubted
+    assert hyperaemia.flow_warnings({"lvm_g": 500}) == []
 
 
 def test_values_that_are_not_used_are_said():
-    (said,) = hyperaemia.doubts({"lvm_g": 150, "cardiac_output_l_per_min": 5.0, "territory": "lad"})
+    (said,) = hyperaemia.flow_warnings({"lvm_g": 150, "cardiac_output_l_per_min": 5.0, "territory": "lad"})
     assert said.startswith("patient.lvm_g: not used, since patient.cardiac_output_l_per_min, 5,")
-    (said,) = hyperaemia.doubts({"lvm_g": 150, "cardiac_output_l_per_min": 5.0, "hyperaemic_inflow_ml_per_min": 140})
+    (said,) = hyperaemia.flow_warnings(
+        {"lvm_g": 150, "cardiac_output_l_per_min": 5.0, "hyperaemic_inflow_ml_per_min": 140}
+    )
     assert "cardiac_output_l_per_min and patient.lvm_g: not used" in said and "140, tells the flow" in said
-    assert hyperaemia.doubts({"hyperaemic_inflow_ml_per_min": 140, "lvm_g": None}) == []
+    assert hyperaemia.flow_warnings({"hyperaemic_inflow_ml_per_min": 140, "lvm_g": None}) == []
 
 
 @pytest.mark.parametrize(
@@ -69,13 +71,13 @@ def test_values_that_are_not_used_are_said():
     ],
 )
 def test_a_fraction_without_the_published_law_is_said(patient, teller):
-    (said,) = hyperaemia.doubts(patient, 0.32)
+    (said,) = hyperaemia.flow_warnings(patient, 0.32)
     assert said.startswith("settings.flow.hyperaemia_fraction is 0.32: not used") and teller in said
-    assert hyperaemia.doubts(patient, 0.16) == hyperaemia.doubts({"lvm_g": 150}, 0.32) == []
+    assert hyperaemia.flow_warnings(patient, 0.16) == hyperaemia.flow_warnings({"lvm_g": 150}, 0.32) == []
 
 
 def factors(**patient):
-    return {one["what"]: one["factor"] for one in hyperaemia.plausible(patient, 0.16)}
+    return {one["what"]: one["factor"] for one in hyperaemia.plausible_flows(patient, 0.16)}
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ def folder(tmp_path):
     """A solved state: a cube of 1 mm in six tetrahedra with straight edges, each with nodes of its own."""
     cells = [np.cumsum([np.zeros(3), *np.eye(3)[list(axes)]], axis=0) for axes in itertools.permutations(range(3))]
     corners = np.concatenate(cells)
-    straight = tet10.positive(corners, np.arange(24).reshape(6, 4))
+    straight = tet10.orient_positive(corners, np.arange(24).reshape(6, 4))
     corners = corners[straight]
     nodes = np.concatenate([corners, corners[:, tet10.EDGES].mean(axis=2)], axis=1).reshape(-1, 3) * 1e-3
     velocity, pressure = quadratic(nodes)
@@ -41,8 +41,8 @@ def test_in_the_same_lumen_the_guess_is_the_flow_itself(folder):
     line = np.stack([0 * s + 0.5, 0 * s + 0.5, s], axis=1)
     tree = Tree([Branch("main", 0, line, s, 0.7 + 0 * s)])
     start = solution.read(folder, tree, tree)
-    assert (start.inflow, start.artificial, start.mesh) == (INFLOW, EPS, "mesh.msh")
+    assert (start.inflow, start.artificial_viscosity, start.mesh_name) == (INFLOW, EPS, "mesh.msh")
     points = np.random.default_rng(1).uniform(0.05, 0.95, (200, 3)) * 1e-3
     velocity, pressure = quadratic(points)
-    found = start.at(points)
+    found = start.fields_at(points)
     assert found[0] == pytest.approx(velocity, abs=1e-9) and found[1] == pytest.approx(pressure, abs=1e-7)

@@ -19,9 +19,9 @@ NARROWED = tubes.lesion(1.5, 0.5, 8, 6)  # 0.95 of the radius again at 10.4 mm a
 
 
 def _needed(length=14.0, radius=NARROWED, **given):
-    tree = centreline.Tree([tubes.line(length, radius)])
+    tree = centreline.Tree([tubes.centre_branch(length, radius)])
     tube = tubes.tube(length, radius, 0.3)
-    return tube, tree, extension.needed(tube, tree, settings.make(**given))
+    return tube, tree, extension.find_extensions(tube, tree, settings.make(**given))
 
 
 def test_an_end_too_close_to_a_narrowing_is_extended_to_its_clearance():
@@ -32,14 +32,14 @@ def test_an_end_too_close_to_a_narrowing_is_extended_to_its_clearance():
     assert outlet.length_mm + outlet.distance_mm == pytest.approx(6.0, rel=0.01)  # half of it: half the radius is left
     assert inlet.length_mm + inlet.distance_mm == pytest.approx(7.5, rel=0.01)
     assert outlet.direction == pytest.approx([1, 0, 0]) and inlet.direction == pytest.approx([-1, 0, 0])
-    longer = extension.extend(tube, found)
+    longer = extension.extend_surface(tube, found)
     surface.check(longer, "extended")
     assert longer.points[:, 0].min() == pytest.approx(-inlet.length_mm)
     assert longer.points[:, 0].max() == pytest.approx(14 + outlet.length_mm)
     area = [np.linalg.norm(tube.area_vectors()[tube.region == cap].sum(axis=0)) for cap in (1, 2)]
     more = sum(a * one.length_mm for a, one in zip(area, found))
     assert longer.volume_mm3() == pytest.approx(tube.volume_mm3() + more, rel=1e-9)
-    line = extension.prolonged(tree, found).main
+    line = extension.extend_tree(tree, found).main
     assert line.length_mm == pytest.approx(14 + inlet.length_mm + outlet.length_mm)
     assert line.points[0] == pytest.approx([-inlet.length_mm, 0, 0]) and (np.diff(line.s_mm) > 0).all()
     assert line.radius(8 + inlet.length_mm) == pytest.approx(0.75)
@@ -77,7 +77,7 @@ def test_the_network_goes_through_the_extensions():
     branches = [{"name": "main", "parent": None, "s_on_parent_mm": None}]
     branches += [{"name": "side", "parent": "main", "s_on_parent_mm": 4.0}]
     sections = pd.DataFrame({"branch": ["main"] * 2 + ["side"], "s_mm": [0.0, 10, 0], "area_mm2": [7.0, 6, 2]})
-    anatomy, longer = extended.prolonged_network({"branches": branches}, sections, found)
+    anatomy, longer = extended.extend_anatomy({"branches": branches}, sections, found)
     assert anatomy["branches"][1]["s_on_parent_mm"] == 7.0 and branches[1]["s_on_parent_mm"] == 4.0
     main = longer[longer["branch"] == "main"].sort_values("s_mm")
     assert main["s_mm"].tolist() == [0, 3, 13, 18] and main["area_mm2"].tolist() == [7, 7, 6, 6]
@@ -96,13 +96,13 @@ def test_a_report_of_the_mesh_gives_the_extensions(tmp_path, mesh):
     one = extension.Extension(2, "main", 3.0, [1.0, 0, 0], None)
     report = {"extensions": [vars(one)], "cells": 9, "swept": {"cells": 4, "spans": []}}
     path.write_text(json.dumps(report))
-    assert extended.read(path, mesh) == ([one], [], None)
+    assert extended.read_report(path, mesh) == ([one], [], None)
     path.write_text(json.dumps(report | {"cells": 8}))
     with pytest.raises(InputError, match="report is of another mesh"):
-        extended.read(path, mesh)
+        extended.read_report(path, mesh)
     path.write_text("{}")
     with pytest.raises(InputError, match="report of the volume mesh"):
-        extended.read(path, mesh)
+        extended.read_report(path, mesh)
 
 
 ONE = {"region_id": 2, "branch": "main", "length_mm": 5.0, "direction": [1.0, 0.0, 0.0], "distance_mm": None}
@@ -122,19 +122,19 @@ def test_a_bad_extension_is_refused_in_plain_words(tmp_path, mesh, change, words
     path = tmp_path / "mesh.json"
     path.write_text(json.dumps({"cells": 9, "swept": {}, "extensions": [ONE | change]}))
     with pytest.raises(InputError, match="report of the volume mesh(.|\n)*extensions.1.(.|\n)*" + words):
-        extended.read(path, mesh)
+        extended.read_report(path, mesh)
 
 
 @pytest.mark.parametrize("change", [{"branch": "side7"}, {"region_id": 7}, {"direction": [9.0, 0.0, 0.0]}])
 def test_an_extension_of_another_lumen_is_refused(change):
-    line = tubes.line(8.0, lambda s: 1.2)
+    line = tubes.centre_branch(8.0, lambda s: 1.2)
     document = tubes.boundary_document([line], [2e-6], [5e9], 7.0, 0.004)
     anatomy = {"branches": [{"name": "main", "parent": None, "s_on_parent_mm": None}]}
     sections = pd.DataFrame({"branch": "main", "s_mm": line.s_mm, "area_mm2": np.pi * line.radius_mm**2})
     case = anatomy, sections, document, settings.make()
-    extended.Extended([extension.Extension(**ONE)], centreline.Tree([line]), *case)
+    extended.ExtendedLumen([extension.Extension(**ONE)], centreline.Tree([line]), *case)
     with pytest.raises(InputError, match="extension of another lumen"):
-        extended.Extended([extension.Extension(**(ONE | change))], centreline.Tree([line]), *case)
+        extended.ExtendedLumen([extension.Extension(**(ONE | change))], centreline.Tree([line]), *case)
 
 
 def test_a_coarse_mesh_of_another_lumen_is_refused(tmp_path, mesh):
@@ -147,7 +147,7 @@ def test_a_coarse_mesh_of_another_lumen_is_refused(tmp_path, mesh):
         own.unlink(missing_ok=True)
         if beside:
             own.write_text(json.dumps(beside))
-        return extended.read(path, mesh, [coarse])
+        return extended.read_report(path, mesh, [coarse])
 
     assert read(report | {"coarse": [{"swept": {"cells": 4}, "cells": 4}]}) == ([], [], "ab")
     assert read(report, report | {"cells": 4}) == ([], [], "ab")
@@ -162,8 +162,8 @@ def test_a_coarse_mesh_of_another_lumen_is_refused(tmp_path, mesh):
 def test_a_report_that_is_missing_is_refused_or_said(tmp_path, capsys):
     """Where it was asked for by name; where none lies beside the mesh."""
     radius = tubes.lesion(1.2, 0.3, 4.0, 4.0)
-    tubes.write_case(tmp_path, tubes.tube(8.0, radius, 0.4), [tubes.line(8.0, radius)])
-    document = tubes.boundary_document([tubes.line(8.0, radius)], [2e-6], [5e9], 7.0, 0.004)
+    tubes.write_case(tmp_path, tubes.tube(8.0, radius, 0.4), [tubes.centre_branch(8.0, radius)])
+    document = tubes.boundary_document([tubes.centre_branch(8.0, radius)], [2e-6], [5e9], 7.0, 0.004)
     (tmp_path / "boundary.json").write_text(json.dumps(document))
     line = ["--centreline", str(tmp_path / "centreline.vtp")]
     meshed = ["--out", str(tmp_path / "mesh.msh"), "--rings", "2", "--json", str(tmp_path / "report.json")]
@@ -189,7 +189,7 @@ def test_meshes_that_could_not_be_swept_are_said(tmp_path, mesh, capsys):
     path.write_text(
         json.dumps({"extensions": [], "cells": 9, "swept": {"cells": 4}, "coarse": [{"swept": failed}, {"swept": {}}]})
     )
-    (said,) = extended.read(path, mesh)[1]
+    (said,) = extended.read_report(path, mesh)[1]
     assert "coarsest mesh is not swept" in said and said.endswith("error: no room where: span 2")
     assert said in capsys.readouterr().err
 
@@ -197,7 +197,7 @@ def test_meshes_that_could_not_be_swept_are_said(tmp_path, mesh, capsys):
 @pytest.mark.slow
 @pytest.mark.parametrize("model", ["3d", "network"])
 def test_an_outlets_ffr_is_read_where_the_vessel_ended(tmp_path, model):
-    line, radius = tubes.line(6.0, lambda s: 1.0), 1.0
+    line, radius = tubes.centre_branch(6.0, lambda s: 1.0), 1.0
     tubes.write_case(tmp_path, tubes.tube(6.0, lambda s: radius, 0.5), [line])
     document = tubes.boundary_document([line], [2e-6], [5e9], 4.0, 0.004)
     (tmp_path / "boundary.json").write_text(json.dumps(document))

@@ -26,7 +26,7 @@ def _not_swept(patch):
         raise hybrid.NoSpans("not wanted here")
 
     first, *others = mesh.ATTEMPTS
-    patch.setattr(mesh, "ATTEMPTS", (dataclasses.replace(first, cells=no_spans), *others))
+    patch.setattr(mesh, "ATTEMPTS", (dataclasses.replace(first, make_cells=no_spans), *others))
 
 
 @pytest.fixture(scope="module")
@@ -34,10 +34,10 @@ def built():
     """A bent, narrowed tube in cells of one size in all directions."""
     radius = tubes.lesion(1.5, 0.4, 8, 8)
     tube = tubes.tube(16, radius, 0.5, tubes.arc(0.05))
-    tree = centreline.Tree([tubes.line(16, radius, tubes.arc(0.05))])
+    tree = centreline.Tree([tubes.centre_branch(16, radius, tubes.arc(0.05))])
     with pytest.MonkeyPatch.context() as patch:
         _not_swept(patch)
-        return tube, mesh.build(tube, tree, 2.0, settings_module.make(**tubes.AS_IT_IS))
+        return tube, mesh.build(tube, tree, 2.0, settings_module.make(**tubes.NO_EXTENSIONS))
 
 
 def _volume(quadratic):
@@ -65,14 +65,14 @@ def test_quality_is_reported_and_good(built):
     assert quality["curved_edges"] > 1000 and quality["straightened_edges"] == 0
     swept = report["swept"]
     assert (swept["way"], swept["cells"], swept["spans"], swept["moved"]) == ("isotropic", 0, [], [])
-    assert swept["reason"] == "swept: not wanted here" and swept["cost"] == mesh.COST
+    assert swept["reason"] == "swept: not wanted here" and swept["cost"] == mesh.ISOTROPIC_COST
 
 
 def test_mesh_file_has_the_tags(built, tmp_path):
     _, (quadratic, report) = built
     mesh.write(quadratic, tmp_path / "mesh.msh")
     space = spaces.read(tmp_path / "mesh.msh")
-    assert space.outlets == [tags.physical_tag(2)]
+    assert space.outlet_tags == [tags.physical_tag(2)]
     assert len(space.nodes()[1]) == report["cells"]
     assert space.area(tags.PHYSICAL_INLET) == pytest.approx(np.pi * 1.5e-3**2, rel=1e-4)
     assert space.dofs == report["dofs"]
@@ -148,8 +148,8 @@ def test_the_same_surface_gives_the_same_mesh_everywhere(repo_root, tmp_path):
 
 def test_layers_that_nothing_swept_has_are_not_claimed(monkeypatch, capsys):
     _not_swept(monkeypatch)
-    tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
-    wanted = settings_module.make(wall_layers=3, **tubes.AS_IT_IS)
+    tree = centreline.Tree([tubes.centre_branch(5, lambda s: 1.5)])
+    wanted = settings_module.make(wall_layers=3, **tubes.NO_EXTENSIONS)
     _, report = mesh.build(tubes.tube(5, lambda s: 1.5), tree, 1.5, wanted)
     assert report["wall_layers"] == 1
     assert "not wanted here" in report["swept"]["reason"] and "3 were asked for" in report["swept"]["reason"]
@@ -180,37 +180,37 @@ def _with_a_fold(whole):
 
 
 def test_a_fold_of_the_surface_is_flattened():
-    tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
+    tree = centreline.Tree([tubes.centre_branch(5, lambda s: 1.5)])
     sizes = size_field.SizeField(tree, 1.5, 0.1)
     folded = _with_a_fold(tubes.tube(5, lambda s: 1.5))
     surface.check(folded, "folded")
     with pytest.raises(ComputationError):
         volume_mesh.fill(folded, sizes)
-    flat = folds.unfolded(folded)
+    flat = folds.unfold(folded)
     surface.check(flat, "unfolded")
     assert (flat.triangles != folded.triangles).any(axis=1).sum() == 2
     assert flat.volume_mm3() == pytest.approx(folded.volume_mm3(), rel=1e-4)
     points, tetrahedra = volume_mesh.fill(flat, sizes)
     assert tet10.six_volumes(points, tetrahedra).sum() / 6 == pytest.approx(flat.volume_mm3())
-    assert folds.unfolded(flat) is flat  # sharp edges, as of caps, are no folds
+    assert folds.unfold(flat) is flat  # sharp edges, as of caps, are no folds
 
 
 def test_a_sliver_is_split_where_it_can_be():
     """A flat tetrahedron on two others, under a wall; all corners are on the surface."""
     points = np.array([[0, 0, 0], [1, 0, 0.0], [0, 1, 0], [1, 1, 0], [0.5, 0.5, -1.0]], float)
     points[[0, 3], 2] -= 1e-3  # the square's diagonal 0-3 runs just below the other one, which is of the surface
-    cells = tet10.positive(points, np.array([[0, 3, 1, 2], [0, 3, 1, 4], [0, 3, 2, 4]]))
+    cells = tet10.orient_positive(points, np.array([[0, 3, 1, 2], [0, 3, 1, 4], [0, 3, 2, 4]]))
     assert curving.gamma(points[cells]).min() < 0.02
     edges = np.array([[1, 2], [0, 1], [1, 3], [3, 2], [2, 0], [0, 4], [1, 4], [2, 4], [3, 4]])
-    more, split = slivers.split(points, cells, edges, 0.02)
+    more, split = slivers.split_slivers(points, cells, edges, 0.02)
     assert len(more) == 6 and curving.gamma(more[split]).min() >= 0.02
     volume = tet10.six_volumes(points, cells).sum()
-    assert tet10.six_volumes(more, split).sum() == pytest.approx(volume) and tet10.overlapping(split) == 0
+    assert tet10.six_volumes(more, split).sum() == pytest.approx(volume) and tet10.count_overlapping(split) == 0
 
 
 def test_a_sliver_is_refused_with_its_place(monkeypatch):
     monkeypatch.setattr(volume_mesh, "LEAST_GAMMA", 0.9)
-    tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
+    tree = centreline.Tree([tubes.centre_branch(5, lambda s: 1.5)])
     with pytest.raises(ComputationError, match="sliver(.|\n)*tetrahedron at(.|\n)*gamma"):
         volume_mesh.fill(tubes.tube(5, lambda s: 1.5), size_field.SizeField(tree, 1.5, 0.1))
 
@@ -227,8 +227,8 @@ def test_where_finer_facets_cannot_be_filled_those_given_are(monkeypatch):
 
     monkeypatch.setattr(volume_mesh, "fill", fill)
     _not_swept(monkeypatch)
-    tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
-    quadratic, report = mesh.build(tube, tree, 3.0, settings_module.make(**tubes.AS_IT_IS))
+    tree = centreline.Tree([tubes.centre_branch(5, lambda s: 1.5)])
+    quadratic, report = mesh.build(tube, tree, 3.0, settings_module.make(**tubes.NO_EXTENSIONS))
     assert len(asked) == 2 and asked[0] > asked[1] == len(tube.triangles) == len(quadratic.triangles)
     assert report["swept"]["way"] == mesh.ATTEMPTS[2].name and "crosses itself" in report["swept"]["reason"]
     assert _volume(quadratic) == pytest.approx(np.pi * 1.5**2 * 5, rel=1e-3)
@@ -236,7 +236,7 @@ def test_where_finer_facets_cannot_be_filled_those_given_are(monkeypatch):
 
 def test_a_bad_mesh_is_refused(monkeypatch, settings):
     monkeypatch.setattr(mesh, "LEAST_JACOBIAN_RATIO", 0.99)
-    tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
+    tree = centreline.Tree([tubes.centre_branch(5, lambda s: 1.5)])
     with pytest.raises(ComputationError, match="jacobian_ratio_min"):
         mesh.build(tubes.tube(5, lambda s: 1.5), tree, 2.0, settings)
 
@@ -250,10 +250,10 @@ def test_a_coarse_mesh_that_is_not_coarser_is_made_in_another_size(monkeypatch, 
         return "mesh", {"cells": cells[asked[-1]]}
 
     monkeypatch.setattr(mesh, "build", build)
-    assert mesh.coarser(100, None, None, 2.0, None, 3, 4 / 3) == ("mesh", {"cells": 90})
+    assert mesh.build_coarser(100, None, None, 2.0, None, 3, 4 / 3) == ("mesh", {"cells": 90})
     assert asked == [2.0, 2.2, 1.8] and "120 cells, not fewer than 100" in capsys.readouterr().err
     left_out = None, {"rings": 3, "cells": 80, "not_fewer_than": 80}
-    assert mesh.coarser(80, None, None, 2.0, None, 3, 4 / 3) == left_out
+    assert mesh.build_coarser(80, None, None, 2.0, None, 3, 4 / 3) == left_out
 
 
 def test_a_mesh_that_is_not_coarser_is_left_out_of_the_sequence(monkeypatch, tmp_path):
@@ -263,7 +263,7 @@ def test_a_mesh_that_is_not_coarser_is_left_out_of_the_sequence(monkeypatch, tmp
     monkeypatch.setattr(mesh, "write", lambda built, path: path.write_text(built))
     paths = [(tmp_path / name, rings) for name, rings in (("a.msh", 2), ("b.msh", 3), ("c.msh", 4))]
     report = {}
-    made = mesh.sequence(paths, None, None, settings_module.make(), report)
+    made = mesh.build_sequence(paths, None, None, settings_module.make(), report)
     mesh.write_all(made, report, tmp_path / "mesh.json")
     assert [(tmp_path / name).read_text() for name in ("a.msh", "b.msh", "c.msh")] == ["2 rings", "", "4 rings"]
     assert report["cells"] == 300 and [part["cells"] for part in report["coarse"]] == [200]
@@ -276,7 +276,7 @@ def test_the_mesh_of_a_reduced_model_is_the_coarsest(monkeypatch, tmp_path, othe
     monkeypatch.setattr(mesh, "write", lambda built, path: path.write_text(built))
     paths, report = [(tmp_path / name, rings) for name, rings in [*others, ("c.msh", 4)]], {}
     settings = settings_module.make(coarse_cells_per_radius=2.0, cells_per_radius=3.0)
-    mesh.write_all(mesh.alone(paths, None, None, settings, report), report, tmp_path / "mesh.json")
+    mesh.write_all(mesh.build_coarsest(paths, None, None, settings, report), report, tmp_path / "mesh.json")
     assert report["built"] == of_the_mesh and "coarse" not in report
     assert [path.read_text() for path, _ in paths] == [*("" for _ in others), "made"]
 
@@ -284,10 +284,10 @@ def test_the_mesh_of_a_reduced_model_is_the_coarsest(monkeypatch, tmp_path, othe
 def test_cells_on_the_same_side_of_a_face_overlap():
     """Each of positive volume: the second's tip lies beyond the face, then before it."""
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.2, 0.2, -1.0]])
-    pair = tet10.positive(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))
-    assert tet10.overlapping(pair) == 0
+    pair = tet10.orient_positive(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))
+    assert tet10.count_overlapping(pair) == 0
     points[4, 2] = 0.5
-    folded = tet10.positive(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))
-    assert tet10.overlapping(folded) == 1
+    folded = tet10.orient_positive(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))
+    assert tet10.count_overlapping(folded) == 1
     shuffled = folded[:, [1, 2, 0, 3]]  # an even exchange of corners
-    assert tet10.overlapping(shuffled) == 1
+    assert tet10.count_overlapping(shuffled) == 1

@@ -36,7 +36,7 @@ def _assert_conforming(quadratic):
     assert len(pairs) == len(np.unique(middles)) == len(np.unique(pairs[:, :2], axis=0))
 
 
-AS_IT_IS = settings.make(**tubes.AS_IT_IS)
+UNEXTENDED_SETTINGS = settings.make(**tubes.NO_EXTENSIONS)
 # radius, axis, length, tolerance of the volume: the wall is known at 0.4 mm only, a third of the narrowest diameter
 CASES = {
     "straight": (lambda s: 1.6 + 0 * np.asarray(s, float), None, 12, 2e-5),
@@ -48,8 +48,8 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_a_tube_is_one_span_of_exact_volume(name):
     radius, axis, length, tolerance = CASES[name]
-    tree = centreline.Tree([tubes.line(length, radius, axis)])
-    quadratic, report = mesh.build(tubes.tube(length, radius, 0.4, axis), tree, 2.0, AS_IT_IS)
+    tree = centreline.Tree([tubes.centre_branch(length, radius, axis)])
+    quadratic, report = mesh.build(tubes.tube(length, radius, 0.4, axis), tree, 2.0, UNEXTENDED_SETTINGS)
     assert [(span["from_mm"], span["branch"]) for span in report["swept"]["spans"]] == [(0.0, "main")]
     assert report["swept"]["cells"] == report["cells"] and report["quality"]["gamma_min"] is None
     s = np.linspace(0, length, 4001)
@@ -68,19 +68,19 @@ def test_stations_come_closer_where_cells_would_be_turned_over():
 
         return tubes.tube(16, lambda s: 1.5 + 0 * np.asarray(s, float), 0.3, axis)
 
-    tree = centreline.Tree([tubes.line(16, lambda s: 1.5)])
-    gentle, deep = (mesh.build(pouched(depth), tree, 2.0, AS_IT_IS) for depth in (0.3, 1.4))
+    tree = centreline.Tree([tubes.centre_branch(16, lambda s: 1.5)])
+    gentle, deep = (mesh.build(pouched(depth), tree, 2.0, UNEXTENDED_SETTINGS) for depth in (0.3, 1.4))
     (before,), (after,) = (report["swept"]["spans"] for _, report in (gentle, deep))
     assert before["stations"] < after["stations"] <= before["stations"] + 4
-    assert tet10.overlapping(deep[0].tetrahedra[:, :4]) == 0
+    assert tet10.count_overlapping(deep[0].tetrahedra[:, :4]) == 0
     _assert_conforming(deep[0])
 
 
 def test_wall_nodes_lie_on_the_smooth_wall():
     radius, length = CASES["lesion"][0], 16
-    tree = centreline.Tree([tubes.line(length, radius)])
+    tree = centreline.Tree([tubes.centre_branch(length, radius)])
     surface = tubes.tube(length, radius, 0.4)
-    quadratic, _ = mesh.build(surface, tree, 2.0, AS_IT_IS)
+    quadratic, _ = mesh.build(surface, tree, 2.0, UNEXTENDED_SETTINGS)
     wall = quadratic.points[np.unique(quadratic.triangles[quadratic.region == 0])]
     off = np.hypot(wall[:, 1], wall[:, 2]) - radius(wall[:, 0])
     facets = surface.points[surface.triangles[surface.region == 0]].mean(axis=1)
@@ -112,14 +112,14 @@ def test_an_end_that_cannot_be_stitched_moves_or_the_mesh_is_of_one_size(monkeyp
     tree = centreline.Tree(branches)
     moved = []
 
-    def fails_at_first(points, normals, kept, ends, real=stitch.strips):
+    def fails_at_first(points, normals, kept, ends, real=stitch.build_strips):
         if not moved:
             moved.append(ends[0].key)
             raise stitch.StitchError("made to fail", [ends[0].key])
         return real(points, normals, kept, ends)
 
     with monkeypatch.context() as patch:
-        patch.setattr(stitch, "strips", fails_at_first)
+        patch.setattr(stitch, "build_strips", fails_at_first)
         _, report = mesh.build(surface, tree, 2.0, settings.make())
     first, second = (found["swept"]["spans"][0] for found in (forked[2], report))
     assert second["to_mm"] == pytest.approx(first["to_mm"] - hybrid.MOVE_RADII * 1.5, abs=0.02)
@@ -129,7 +129,7 @@ def test_an_end_that_cannot_be_stitched_moves_or_the_mesh_is_of_one_size(monkeyp
         raise stitch.StitchError("made to fail", [end.key for end in ends])
 
     with monkeypatch.context() as patch:
-        patch.setattr(stitch, "strips", always_fails)
+        patch.setattr(stitch, "build_strips", always_fails)
         _, report = mesh.build(surface, tree, 2.0, settings.make())
     assert report["swept"]["cells"] == 0 and report["swept"]["reason"]
 
@@ -174,7 +174,7 @@ def test_boundary_layers_halve_towards_the_wall():
 
 def test_rings_gather_at_the_edge_of_the_jet():
     rho = np.linspace(0, 1, 41)
-    wide, narrow = lattice.rings_at(rho, 4, np.array([1.0, 0.4]))
+    wide, narrow = lattice.ring_radii(rho, 4, np.array([1.0, 0.4]))
     for found in (wide, narrow):
         assert found[0] == 0 and found[-1] == pytest.approx(1) and (np.diff(found) > 0).all()
     assert narrow[25] == pytest.approx(0.4)  # the inner two and a half of four rings
@@ -187,31 +187,31 @@ def test_rings_gather_at_the_edge_of_the_jet():
 def test_many_rings_become_narrower_everywhere(rings):
     """Two thirds of them within the jet, half as wide where there are twice as many, edges' middles in the middle."""
     edge = np.array([1.0, 0.4])
-    found = lattice.rings_at(np.linspace(0, 1, 2 * rings + 1), rings, edge)
+    found = lattice.ring_radii(np.linspace(0, 1, 2 * rings + 1), rings, edge)
     inside = int(np.floor(2 * rings / 3))
-    assert found[:, 2 * inside] == pytest.approx(np.minimum(edge, lattice.LARGEST_EDGE))
+    assert found[:, 2 * inside] == pytest.approx(np.minimum(edge, lattice.LARGEST_JET_SHARE))
     widths = np.diff(found[:, ::2], axis=1)
-    finer = np.diff(lattice.rings_at(np.linspace(0, 1, 2 * rings + 1), 2 * rings, edge), axis=1)
+    finer = np.diff(lattice.ring_radii(np.linspace(0, 1, 2 * rings + 1), 2 * rings, edge), axis=1)
     assert finer.max() < 0.55 * widths.max()
     shares = np.diff(found, axis=1)[:, ::2] / widths
     assert (np.abs(shares - 0.5) < 0.05).all()
 
 
 def test_stations_are_close_at_the_throat_only():
-    branch = tubes.line(50, tubes.lesion(1.6, 0.6, 25, 10))
+    branch = tubes.centre_branch(50, tubes.lesion(1.6, 0.6, 25, 10))
     given = settings.make()
-    gap = np.diff(stations.place(branch, given, 0.0, 50.0))
+    gap = np.diff(stations.place_stations(branch, given, 0.0, 50.0))
     assert gap.min() == pytest.approx(given.stations_throat * 0.64, rel=0.1)
     assert gap[0] == pytest.approx(given.stations_plain * 1.6, rel=0.1)
     ratio = gap[1:] / gap[:-1]
     assert ratio.max() < 1.15
-    plain = np.diff(stations.place(tubes.line(50, lambda s: 1.6), given, 0.0, 50.0))
+    plain = np.diff(stations.place_stations(tubes.centre_branch(50, lambda s: 1.6), given, 0.0, 50.0))
     assert len(plain) < 0.6 * len(gap)
 
 
 def test_a_section_is_refused_where_it_is_not_star_shaped():
     tube = tubes.tube(10, lambda s: 1.5, 0.4)
-    found = section.Slicer(tube).cut(np.array([5.0, 0, 0]), np.eye(3)[0], np.eye(3)[1], np.eye(3)[2], 4.0)
+    found = section.Slicer(tube).cut_section(np.array([5.0, 0, 0]), np.eye(3)[0], np.eye(3)[1], np.eye(3)[2], 4.0)
     radius, _, normals = found.radii(np.linspace(0.1, 6, 20))
     assert np.abs(radius - 1.5).max() < 1e-3 and np.abs(normals[:, 0]).max() < 0.05
     angles = np.linspace(0, 2 * np.pi, 60, endpoint=False)
@@ -225,12 +225,12 @@ def test_a_section_is_refused_where_it_is_not_star_shaped():
 def test_spans_keep_clear_of_a_side_branch():
     surface, branches = tubes.fork()
     tree = centreline.Tree(branches)
-    axis = spans.axes(surface, tree)["main"]
+    axis = spans.branch_axes(surface, tree)["main"]
     s = np.linspace(0, axis.length_mm, 200)
-    blocked = s[~spans.free(axis, tree, s)]
+    blocked = s[~spans.clear_of_others(axis, tree, s)]
     where = tree.main.project(branches[1].points[0])[0]
     assert blocked.min() < where < blocked.max() and blocked.max() - blocked.min() < 5.0
-    assert axis.cap_ids == (1, 2) and spans.axes(surface, tree)["side1"].cap_ids == (None, 3)
+    assert axis.cap_ids == (1, 2) and spans.branch_axes(surface, tree)["side1"].cap_ids == (None, 3)
 
 
 def test_zipper_joins_two_rings():
@@ -239,14 +239,14 @@ def test_zipper_joins_two_rings():
     fine = np.linspace(0, 2 * np.pi, 18, endpoint=False) + 0.05
     upper = np.stack([np.cos(fine), np.sin(fine), 0 * fine + 0.4], axis=1)
     points = np.concatenate([lower, upper])
-    strip = stitch.zipper(points, points * [1, 1, 0], np.arange(12), 12 + np.arange(18))
+    strip = stitch.strip_between(points, points * [1, 1, 0], np.arange(12), 12 + np.arange(18))
     assert len(strip) == 30
     a, b, c = (points[strip[:, k]] for k in range(3))
     facing = np.cross(b - a, c - a)
     middle = (a + b + c) / 3
     outward = np.einsum("ij,ij->i", facing[:, :2], middle[:, :2])
     assert (outward < 0).all() or (outward > 0).all()
-    assert [len(loop) for loop in sorted(stitch.loops(strip), key=len)] == [12, 18]
+    assert [len(loop) for loop in sorted(stitch.border_loops(strip), key=len)] == [12, 18]
 
 
 def test_zipper_makes_no_flat_or_folded_triangles_between_a_coarse_ring_and_a_fine_ragged_rim():
@@ -257,7 +257,7 @@ def test_zipper_makes_no_flat_or_folded_triangles_between_a_coarse_ring_and_a_fi
     rim = np.stack([2 * np.cos(fine + 0.1), 2 * np.sin(fine + 0.1), ragged], axis=1)
     points = np.concatenate([ring, rim])
     normals = points * [1, 1, 0]
-    strip = stitch.zipper(points, normals, 10 + np.arange(36), np.arange(10))
+    strip = stitch.strip_between(points, normals, 10 + np.arange(36), np.arange(10))
     a, b, c = (points[strip[:, k]] for k in range(3))
     area, outward = np.cross(b - a, c - a), normals[strip].sum(axis=1)
     longest = np.max([np.linalg.norm(edge, axis=1) for edge in (b - a, c - b, a - c)], axis=0)

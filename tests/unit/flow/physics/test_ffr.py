@@ -24,27 +24,27 @@ def _probe(name, s_mm, branch="main"):
 
 def test_a_probe_in_a_jet_that_has_not_reattached_is_named():
     table = _line({10.0: 0.003, 30.0: -0.0035})  # recovers to 30 mm, friction behind
-    found = ffr.rising([_probe("distal", 20.3), _probe("far", 35.0), _probe("throat", 5.0)], table)
+    found = ffr.slope_warnings([_probe("distal", 20.3), _probe("far", 35.0), _probe("throat", 5.0)], table)
     assert len(found) == 1
     assert "distal" in found[0] and "0.0030 a mm" in found[0]
 
 
 @pytest.mark.parametrize(("slope", "said"), [(4e-4, 0), (6e-4, 1)])
 def test_a_slow_rise_is_let_pass(slope, said):
-    assert len(ffr.rising([_probe("distal", 20.0)], _line({10.0: slope}))) == said
+    assert len(ffr.slope_warnings([_probe("distal", 20.0)], _line({10.0: slope}))) == said
 
 
 def test_only_the_probes_own_branch_counts():
     table = _line({10.0: 0.003})
-    assert ffr.rising([_probe("end_side1", 20.0, "side1")], table) == []
+    assert ffr.slope_warnings([_probe("end_side1", 20.0, "side1")], table) == []
 
 
 def _displaced(shift_mm, kept):
     """What is said of a probe so far from a tube's axis (radius 1.2 mm, 16 mm) and `kept` points of its 33."""
-    tree = centreline.Tree([tubes.line(16.0, lambda s: 1.2)])
+    tree = centreline.Tree([tubes.centre_branch(16.0, lambda s: 1.2)])
     probe = _probe("distal", 12.0) | {"shift_mm": shift_mm}
     s = np.linspace(0, 16, 33)[:kept]
-    return ffr.displaced([probe], tree, pd.DataFrame({"branch": "main", "s_mm": s, "ffr": 1.0}))
+    return ffr.displacement_warnings([probe], tree, pd.DataFrame({"branch": "main", "s_mm": s, "ffr": 1.0}))
 
 
 def test_a_centreline_beside_the_lumen_is_said(capsys):

@@ -11,7 +11,7 @@ GIVEN = viscosity.from_settings(settings.make(viscosity_model="carreau_yasuda"))
 
 
 def test_limits_and_knee():
-    fluid = viscosity.of({"viscosity": GIVEN})
+    fluid = viscosity.from_document({"viscosity": GIVEN})
     assert fluid(0.0) == pytest.approx(0.056)
     assert fluid(1e12) == pytest.approx(0.00345, rel=1e-4)
     # at rate = 1 / lambda: mu_inf + (mu_0 - mu_inf) 2^((n - 1) / a)
@@ -21,7 +21,7 @@ def test_limits_and_knee():
 
 def test_newtonian_is_the_default():
     assert viscosity.from_settings(settings.make()) is None
-    fluid = viscosity.of({"viscosity_pa_s": 0.004, "viscosity": None})
+    fluid = viscosity.from_document({"viscosity_pa_s": 0.004, "viscosity": None})
     assert fluid(np.array([0.0, 1e3])) == pytest.approx(0.004)
 
 
@@ -30,7 +30,7 @@ def test_newtonian_is_the_default():
 )
 def test_what_makes_no_fluid_is_refused(change):
     with pytest.raises(InputError, match="viscosit"):
-        viscosity.of({"viscosity": {**GIVEN, **change}})
+        viscosity.from_document({"viscosity": {**GIVEN, **change}})
 
 
 def test_unknown_model_in_the_settings_is_refused():

@@ -11,7 +11,7 @@ from flow import __main__ as command_line
 from flow import solve
 from flow.geometry import centreline
 from flow.physics import viscosity
-from flow.reduced import axisymmetric, coupled as predictor, network as network_model
+from flow.reduced import axisymmetric, coupled, network as network_model
 from flow import settings as settings_module
 
 MAP, VENOUS, DENSITY, MU = 12000.0, 600.0, 1060.0, 0.004
@@ -50,7 +50,7 @@ def fork(tmp_path_factory):
     profile = tubes.lesion(1.5, 0.5, 4.5, 5.0)
     surface, _ = tubes.fork(edge_mm=0.6)
     side = tubes.fork(edge_mm=0.9)[1][1]
-    branches = [tubes.line(24.0, profile), side]
+    branches = [tubes.centre_branch(24.0, profile), side]
     tubes.write_case(folder, surface, branches, {"side1": ("main", 10.0)})
     return folder, _document(branches, [1.4e-6, 0.6e-6], 20.0)
 
@@ -63,36 +63,36 @@ def _network(folder, document):
 def test_coupled_flows_meet_the_outlets_resistances_and_the_tubes_pressure(fork):
     folder, document = fork
     network, tree = _network(folder, document), centreline.read(folder / "centreline.vtp")
-    predicted = predictor.Predictor(network, tree, document, settings_module.make())
-    s, drop = predicted.tube.axis_pressure()
-    branch_s, pressure = predicted.pressures["main"]
+    prediction = coupled.Predictor(network, tree, document, settings_module.make())
+    s, drop = prediction.tube.axis_pressure()
+    branch_s, pressure = prediction.pressures["main"]
     found = np.interp(s, branch_s, pressure) - MAP
     assert found[-1] == pytest.approx(drop[-1], abs=0.5)
     assert np.abs(found - drop).max() < 0.01 * np.abs(drop).max()  # between the sections of the two
-    for outlet, flow in zip(document["outlets"], predicted.flows):
-        end = predicted.pressures[outlet["branch"]][1][-1]
+    for outlet, flow in zip(document["outlets"], prediction.flows):
+        end = prediction.pressures[outlet["branch"]][1][-1]
         assert end == pytest.approx(VENOUS + outlet["resistance_pa_s_per_m3"] * flow, abs=0.1)
-    assert abs(predicted.ffr(predicted.pressures) - predicted.ffr(predicted.alone_pressures)) > 1e-4
-    assert not predicted.whole
+    assert abs(prediction.ffr(prediction.pressures) - prediction.ffr(prediction.network_pressures)) > 1e-4
+    assert not prediction.covers_lumen
 
 
 def test_velocity_of_the_prediction_carries_the_flow(fork):
     folder, document = fork
     network, tree = _network(folder, document), centreline.read(folder / "centreline.vtp")
-    predicted = predictor.Predictor(network, tree, document, settings_module.make())
+    prediction = coupled.Predictor(network, tree, document, settings_module.make())
     x = np.linspace(-1.5, 1.5, 61)
     y, z = np.meshgrid(x, x)
     inside = np.hypot(y, z) < 1.5
     points = np.stack([np.full(inside.sum(), 20.0), y[inside], z[inside]], axis=1) * 1e-3
-    velocity, pressure = predicted.fields(points)
-    assert velocity[:, 0].sum() * (x[1] - x[0]) ** 2 * 1e-6 == pytest.approx(predicted.flows[0], rel=0.02)
-    assert pressure / MAP == pytest.approx(predicted.ffr(predicted.pressures), abs=2e-3)
+    velocity, pressure = prediction.fields(points)
+    assert velocity[:, 0].sum() * (x[1] - x[0]) ** 2 * 1e-6 == pytest.approx(prediction.flows[0], rel=0.02)
+    assert pressure / MAP == pytest.approx(prediction.ffr(prediction.pressures), abs=2e-3)
 
 
 @pytest.mark.parametrize("model", ["axisymmetric", "network"])
 def test_a_reduced_model_answers_alone(tmp_path, monkeypatch, model):
     radius = tubes.lesion(1.2, 0.4, 5, 5)
-    branches = [tubes.line(12.0, radius)]
+    branches = [tubes.centre_branch(12.0, radius)]
     tubes.write_case(tmp_path, tubes.tube(12.0, radius, 0.5), branches)
     document = _document(branches, [1.5e-6], 10.0) | {"warnings": ["probe distal is near"]}
     (tmp_path / "boundary.json").write_text(json.dumps(document))
@@ -117,7 +117,12 @@ def test_a_reduced_model_answers_alone(tmp_path, monkeypatch, model):
 
 
 def test_models_that_disagree_are_named(capsys):
-    assert solve.compared({"3d": {"ffr": 0.80}, "network": {"ffr": 0.82}, "axisymmetric": {"ffr": None}}) == []
-    (said,) = solve.compared({"3d": {"ffr": 0.80}, "network": {"ffr": 0.9}, "axisymmetric": {"ffr": 0.81}})
+    assert (
+        solve.model_difference_warnings({"3d": {"ffr": 0.80}, "network": {"ffr": 0.82}, "axisymmetric": {"ffr": None}})
+        == []
+    )
+    (said,) = solve.model_difference_warnings(
+        {"3d": {"ffr": 0.80}, "network": {"ffr": 0.9}, "axisymmetric": {"ffr": 0.81}}
+    )
     assert "3d 0.800" in said and "network 0.900" in said
     assert said in capsys.readouterr().err

@@ -41,32 +41,32 @@ def network_ffr(values):
 
 def test_the_networks_own_answer_gives_the_networks_range():
     own = network_ffr(document())
-    found = flow_range.of_answer(own, document(), network_at, PROBE)
+    found = flow_range.ffr_range(own, document(), network_at, PROBE)
     for one in found["at"]:
-        assert one["ffr"] == pytest.approx(network_ffr(flow_range.scaled(document(), one["factor"])), abs=1e-9)
+        assert one["ffr"] == pytest.approx(network_ffr(flow_range.scale_flow(document(), one["factor"])), abs=1e-9)
     assert found["low"] == found["at"][1]["ffr"] < own < found["high"] == found["at"][0]["ffr"]
 
 
 def test_another_answers_loss_is_scaled():
     own = network_ffr(document())
     shown = 1 - 1.2 * (1 - own)
-    found = flow_range.of_answer(shown, document([1.0, 1.3]), network_at, PROBE)["at"]
+    found = flow_range.ffr_range(shown, document([1.0, 1.3]), network_at, PROBE)["at"]
     assert found[0]["ffr"] == pytest.approx(shown)
-    assert 1 - found[1]["ffr"] == pytest.approx(1.2 * (1 - network_ffr(flow_range.scaled(document(), 1.3))))
+    assert 1 - found[1]["ffr"] == pytest.approx(1.2 * (1 - network_ffr(flow_range.scale_flow(document(), 1.3))))
 
 
 def test_no_range_without_other_flows():
-    assert flow_range.of_answer(0.8, document(()), network_at, PROBE) is None
+    assert flow_range.ffr_range(0.8, document(()), network_at, PROBE) is None
     given = document()
     given["outlets"][0]["pressure_pa"] = 9000.0
-    assert flow_range.of_answer(0.8, given, network_at, PROBE) is None
+    assert flow_range.ffr_range(0.8, given, network_at, PROBE) is None
 
 
 def test_a_measured_inflow_passes_the_narrowed_vessel():
     """At the planned resistances less passes; those found let it pass, and are lower."""
     planned = document()
     assert network_at(planned).solve().sum() < 0.95 * FLOW
-    found = flow_range.with_inflow(planned, network_at)
+    found = flow_range.fit_resistances(planned, network_at)
     assert network_at(found).solve().sum() == pytest.approx(FLOW, rel=1e-5)
     assert found["outlets"][0]["resistance_pa_s_per_m3"] < planned["outlets"][0]["resistance_pa_s_per_m3"]
     assert found["q_hyperaemic_m3_per_s"] == found["outlets"][0]["flow_m3_per_s"] == FLOW
@@ -74,17 +74,17 @@ def test_a_measured_inflow_passes_the_narrowed_vessel():
 
 def test_more_than_the_narrowing_lets_pass_is_refused():
     with pytest.raises(InputError, match="does not let the measured flow pass(.|\n)*at most"):
-        flow_range.with_inflow(document(), lambda values: network_at(values, throat=0.35))
+        flow_range.fit_resistances(document(), lambda values: network_at(values, throat=0.35))
 
 
 def test_a_measured_inflow_has_a_range_of_its_own():
     """FFR at the flow +-10 %, and at a pressure 10 mmHg off with the same flow: the network's own, solved anew."""
-    base = flow_range.with_inflow(document(), network_at)
-    base["plausible_flows"] = flow_range.around_inflow(document(), network_at, 2.55)
-    assert [one["what"] for one in base["plausible_flows"]] == [what for what, *_ in flow_range.VARIED_INFLOW[:4]]
+    base = flow_range.fit_resistances(document(), network_at)
+    base["plausible_flows"] = flow_range.plausible_around_inflow(document(), network_at, 2.55)
+    assert [one["what"] for one in base["plausible_flows"]] == [what for what, *_ in flow_range.INFLOW_VARIATIONS[:4]]
     own = network_ffr(base)
-    found = {one["what"]: one["ffr"] for one in flow_range.of_answer(own, base, network_at, PROBE)["at"]}
-    faster = flow_range.with_inflow(flow_range.scaled(document(), 1.1), network_at)
+    found = {one["what"]: one["ffr"] for one in flow_range.ffr_range(own, base, network_at, PROBE)["at"]}
+    faster = flow_range.fit_resistances(flow_range.scale_flow(document(), 1.1), network_at)
     assert network_at(faster).solve().sum() == pytest.approx(1.1 * FLOW, rel=1e-5)
     assert found["measured flow +10 %"] == pytest.approx(network_ffr(faster), abs=1e-5)
     assert found["measured flow +10 %"] < own < found["measured flow -10 %"]
@@ -97,11 +97,11 @@ def test_the_split_counts_where_there_are_two_outlets():
     first = two["outlets"][0] | {"diameter_mm": 2.0, "flow_m3_per_s": FLOW / 2}
     first["resistance_pa_s_per_m3"] *= 2
     two["outlets"] = [first, first | {"name": "outlet2", "region_id": 3, "diameter_mm": 1.0}]
-    found = {one["what"]: one for one in flow_range.around_inflow(two, network_at, 2.0)}
+    found = {one["what"]: one for one in flow_range.plausible_around_inflow(two, network_at, 2.0)}
     assert "split by diameter^2" not in found, "which is the exponent there is"
     near, far = found["split by diameter^3"]["resistances_pa_s_per_m3"]
     assert far / near == pytest.approx(8)
-    assert "split by diameter^2" in {one["what"] for one in flow_range.around_inflow(two, network_at, 2.55)}
+    assert "split by diameter^2" in {one["what"] for one in flow_range.plausible_around_inflow(two, network_at, 2.55)}
 
 
 def test_a_flow_that_does_not_pass_is_left_out():
@@ -111,10 +111,10 @@ def test_a_flow_that_does_not_pass_is_left_out():
     radius = 0.55
     while True:  # the narrowest throat that lets the flow pass
         try:
-            flow_range.with_inflow(document(), throat(radius - 0.01))
+            flow_range.fit_resistances(document(), throat(radius - 0.01))
         except InputError:
             break
         radius -= 0.01
     assert "measured flow +10 %" not in {
-        one["what"] for one in flow_range.around_inflow(document(), throat(radius), 2.55)
+        one["what"] for one in flow_range.plausible_around_inflow(document(), throat(radius), 2.55)
     }

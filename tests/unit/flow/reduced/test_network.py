@@ -128,7 +128,7 @@ def test_bad_sections_are_refused_by_their_line(tmp_path, text, words):
 
 def test_sections_of_another_lumen_are_refused():
     """As of a state before or after an intervention, in metres, of a file that was cut, of a longer branch."""
-    line = tubes.line(20.0, tubes.lesion(1.5, 0.5, 10, 8))
+    line = tubes.centre_branch(20.0, tubes.lesion(1.5, 0.5, 10, 8))
     own = _sections([("main", line.s_mm, line.radius_mm)])
     tree = centreline.Tree([line])
     network_model.check_sections(own, tree, "sections.csv")
@@ -146,7 +146,7 @@ def test_sections_of_another_lumen_are_refused():
     ):
         with pytest.raises(InputError, match="cross-sections of another(.|\n)*branch main"):
             network_model.check_sections(other, tree, "sections.csv")
-    narrow = centreline.Tree([tubes.line(20.0, tubes.lesion(1.5, 0.62, 10, 8))])
+    narrow = centreline.Tree([tubes.centre_branch(20.0, tubes.lesion(1.5, 0.62, 10, 8))])
     with pytest.raises(InputError, match="another lumen"):
         network_model.check_sections(own.assign(area_mm2=np.pi * plain**2), narrow, "sections.csv")
 
@@ -158,7 +158,9 @@ def test_a_sudden_expansion_is_a_lumen():
     tree, s = centreline.Tree([nozzle.branch]), nozzle.branch.s_mm
     own = _sections([("main", s, np.sqrt(nozzle.area_mm2 / np.pi))])
     behind = np.argmax(s > nozzle.expansion_mm)
-    assert np.sqrt(nozzle.area_mm2[behind] / np.pi) > network_model.WIDEST * nozzle.branch.radius_mm[behind]
+    assert (
+        np.sqrt(nozzle.area_mm2[behind] / np.pi) > network_model.LARGEST_RADIUS_RATIO * nozzle.branch.radius_mm[behind]
+    )
     network_model.check_sections(own, tree, "sections.csv")
     for radius in (fda_nozzle.RADIUS, fda_nozzle.THROAT):
         with pytest.raises(InputError, match="cross-sections of another lumen"):

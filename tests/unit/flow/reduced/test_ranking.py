@@ -21,7 +21,7 @@ def folder(tmp_path_factory):
     top = tmp_path_factory.mktemp("plans")
     for name, reduction in LEFT.items():
         radius = tubes.lesion(RADIUS, reduction, 15.0, 10.0)
-        tubes.write_case(top / name, tubes.tube(LENGTH, radius, 0.6), [tubes.line(LENGTH, radius)])
+        tubes.write_case(top / name, tubes.tube(LENGTH, radius, 0.6), [tubes.centre_branch(LENGTH, radius)])
     patient = ["--lvm-g", "60", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
     anatomy = ["--anatomy", str(top / "small" / "anatomy.json")]
     command_line.main(["boundary", *anatomy, *patient, "--out", str(top / "boundary.json")])
@@ -39,7 +39,9 @@ def test_the_least_narrowing_is_the_best(folder, model):
     table = _rank(folder, "--model", model)
     assert list(table["plan"]) == ["small", "middle", "large"] and list(table["rank"]) == [1, 2, 3]
     assert table["ffr"].is_monotonic_decreasing
-    assert (table["error"] == ranking.elsewhere(model, table["ffr"].min())).all() and (table["model"] == model).all()
+    assert (table["error"] == ranking.error_in_other_patients(model, table["ffr"].min())).all() and (
+        table["model"] == model
+    ).all()
     assert list(table["as_good_as_best"])[0] and not list(table["as_good_as_best"])[-1]
 
 
@@ -84,31 +86,31 @@ def test_no_plans_are_told_apart_by_less_than_the_3d_answers_are_known_to():
     assert _measured((0.88, 0.001), (0.88, 0.002)) == pytest.approx((0.02, 0.003))
     assert _measured((0.88, 0.001), (0.88, 0.002), (0.88, 0.004)) == pytest.approx((0.02, 0.006))
     assert _measured((0.9, 0.002)) == pytest.approx((0.002, 0.002))
-    unknown = ranking.elsewhere("network", 0.9)
+    unknown = ranking.error_in_other_patients("network", 0.9)
     assert _measured((0.88, 0.001), (0.88, None)) == pytest.approx((unknown, unknown + 0.001))
 
 
 def test_what_was_measured_elsewhere_is_no_less_in_severe_disease():
-    for model, (mild, severe) in ranking.ELSEWHERE.items():
+    for model, (mild, severe) in ranking.ERROR_IN_OTHER_PATIENTS.items():
         assert mild <= severe and ranking.model_error(model, [], 0.9) == (mild, mild)
         assert ranking.model_error(model, [], 0.8) == (severe, severe)
 
 
 def test_an_answer_alone_says_the_same_of_its_error_as_a_ranking(capsys):
-    for model, (mild, severe) in ranking.ELSEWHERE.items():
-        (said,) = reduced_answer.unknown_error(model)
+    for model, (mild, severe) in ranking.ERROR_IN_OTHER_PATIENTS.items():
+        (said,) = reduced_answer.unknown_error_warning(model)
         assert f"up to {max(mild, severe):.2f} above the 3D model" in said and said in capsys.readouterr().err
     measured = {"axisymmetric": (0.8025, 0.7063), "network": (0.7519, 0.7063)}  # lad01 before the intervention
     for model, (value, three_d) in measured.items():
-        assert ranking.elsewhere(model, value) >= value - three_d
+        assert ranking.error_in_other_patients(model, value) >= value - three_d
 
 
 @pytest.mark.slow
 def test_a_plan_is_answered_with_the_extensions_that_its_mesh_would_get(tmp_path):
     radius = tubes.lesion(RADIUS, 0.65, 9.0, 8.0)  # ends 2 mm before the outlet
-    tubes.write_case(tmp_path / "near", tubes.tube(15.0, radius, 0.6), [tubes.line(15.0, radius)])
+    tubes.write_case(tmp_path / "near", tubes.tube(15.0, radius, 0.6), [tubes.centre_branch(15.0, radius)])
     near = tmp_path / "near"
-    document = tubes.boundary_document([tubes.line(15.0, radius)], [2e-6], [5e9], 14.0, 0.004)
+    document = tubes.boundary_document([tubes.centre_branch(15.0, radius)], [2e-6], [5e9], 14.0, 0.004)
     (near / "boundary.json").write_text(json.dumps(document))
     line, mesh = ["--centreline", str(near / "centreline.vtp")], str(near / "mesh.msh")
     command_line.main(["mesh", str(near / "lumen.vtp"), *line, "--out", mesh, "--rings", "2"])
@@ -117,7 +119,7 @@ def test_a_plan_is_answered_with_the_extensions_that_its_mesh_would_get(tmp_path
     answer = json.loads((near / "ffr.json").read_text())
     assert answer["extensions"]["ends"] and answer["extensions"]["ffr_change"]["axisymmetric"] < -0.001
     for model in ("axisymmetric", "network"):
-        found = ranking.plan(near, document, settings_module.make(), model)
+        found = ranking.plan_ffr(near, document, settings_module.make(), model)
         assert found["ffr"] == pytest.approx(answer["models"][model]["ffr"], abs=1e-9)
 
 
@@ -162,7 +164,7 @@ def test_a_plan_with_the_sections_of_another_is_refused(folder, tmp_path):
     (tmp_path / "sections.csv").write_bytes((folder / "large" / "sections.csv").read_bytes())
     document = json.loads((folder / "boundary.json").read_text())
     with pytest.raises(InputError, match="cross-sections of another lumen"):
-        ranking.plan(tmp_path, document, settings_module.make(), "network")
+        ranking.plan_ffr(tmp_path, document, settings_module.make(), "network")
 
 
 @pytest.mark.parametrize("plans", [["small"], ["a=small", "a=large"], ["a=nowhere"]])

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from flow.solvers.anderson import MOST, Acceleration
+from flow.solvers.anderson import MOST_DIFFERENCES, AndersonAcceleration
 
 
 def _iterate(matrix, old_inverse, right, count, use):
     """Norms of the residual of matrix x = right over `count` steps from 0."""
-    learnt, x, norms = Acceleration(np.ones(len(right))), np.zeros(len(right)), []
+    learnt, x, norms = AndersonAcceleration(np.ones(len(right))), np.zeros(len(right)), []
     for _ in range(count):
         correction = old_inverse @ (right - matrix @ x)
         x = x + (learnt.step(x, correction) if use else correction)
@@ -31,11 +31,11 @@ def test_a_linear_system_is_solved_in_as_many_steps_as_unknowns_and_one(system):
 
 def test_differences_outlive_a_new_right_side(system):
     matrix, old_inverse, right = system
-    learnt, x = Acceleration(np.ones(5)), np.zeros(5)
+    learnt, x = AndersonAcceleration(np.ones(5)), np.zeros(5)
     for _ in range(6):
         correction = old_inverse @ (right - matrix @ x)
         x = x + learnt.step(x, correction)
-    learnt.pause()
+    learnt.skip_difference()
     correction = old_inverse @ (2 * right - matrix @ x)
     x = x + learnt.step(x, correction)
     assert np.linalg.norm(2 * right - matrix @ x) < 1e-8
@@ -43,14 +43,14 @@ def test_differences_outlive_a_new_right_side(system):
 
 def test_weights_say_what_is_small():
     """With one difference the part that weighs nothing is not minimized."""
-    learnt = Acceleration(np.array([1.0, 0.0]))
+    learnt = AndersonAcceleration(np.array([1.0, 0.0]))
     learnt.step(np.zeros(2), np.array([1.0, 1.0]))
     step = learnt.step(np.array([1.0, 1.0]), np.array([0.5, 5.0]))
     assert step[0] == pytest.approx(1.0) and step[1] == pytest.approx(5.0 + 5.0)
 
 
 def test_old_differences_are_dropped():
-    rng, learnt = np.random.default_rng(1), Acceleration(np.ones(40))
-    for _ in range(MOST + 5):
+    rng, learnt = np.random.default_rng(1), AndersonAcceleration(np.ones(40))
+    for _ in range(MOST_DIFFERENCES + 5):
         learnt.step(rng.normal(size=40), rng.normal(size=40))
-    assert len(learnt.moves) == len(learnt.changes) == MOST
+    assert len(learnt.state_differences) == len(learnt.correction_differences) == MOST_DIFFERENCES

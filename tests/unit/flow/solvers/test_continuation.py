@@ -17,23 +17,25 @@ class _Flow(Equations):
     """Equations that depend on eps, with what continuation asks of solvers.nonlinear.FlowProblem besides."""
 
     def __init__(self, function, jacobian, start):
-        super().__init__(lambda x: function(x, self.artificial), lambda x: jacobian(x, self.artificial), start)
-        self.forms.artificial = types.SimpleNamespace(value=0.0)
+        super().__init__(
+            lambda x: function(x, self.artificial_viscosity), lambda x: jacobian(x, self.artificial_viscosity), start
+        )
+        self.forms.artificial_viscosity = types.SimpleNamespace(value=0.0)
         self.forms.picard = None  # its step is Newton's, undamped
-        self.boundaries = types.SimpleNamespace(full=lambda: None)
-        self.passed, self.log, self.tried, self.load = [], io.StringIO(), [], 1.0
+        self.boundaries = types.SimpleNamespace(set_full_flow=lambda: None)
+        self.flows_found, self.log, self.tried, self.pressure_load = [], io.StringIO(), [], 1.0
         self.settings = settings.make()
 
-    artificial = FlowProblem.artificial
+    artificial_viscosity = FlowProblem.artificial_viscosity
 
-    def small(self, norm, absolute, relative):
-        return norm <= absolute and norm <= relative * self.load
+    def residual_is_small(self, norm, absolute, relative):
+        return norm <= absolute and norm <= relative * self.pressure_load
 
     def set_guess(self, space, values, inflow):
         self.state.x.array, self.inflow = np.array(values), inflow
 
-    def stalled(self, found):
-        return ComputationError("the flow solver stalled", "eps", self.artificial, "none")
+    def stall_error(self, found):
+        return ComputationError("the flow solver stalled", "eps", self.artificial_viscosity, "none")
 
 
 def _smooth():
@@ -66,31 +68,37 @@ def _steep(width):
 def test_a_smooth_branch_is_followed_to_none():
     problem = _smooth()
     found = continuation.from_rest(problem)
-    assert found.converged and problem.artificial == 0.0
+    assert found.converged and problem.artificial_viscosity == 0.0
     assert problem.state.x.array == pytest.approx([2.0], abs=1e-8)
     assert found.iterations == problem.solver.factorizations
 
 
 def test_a_mesh_that_begins_the_way_may_find_a_flow_without_any():
     problem = _smooth()
-    assert continuation.from_rest(problem, begin_only=True).converged and problem.artificial == 0.0
+    assert continuation.from_rest(problem, stop_early=True).converged and problem.artificial_viscosity == 0.0
 
 
 def test_a_mesh_that_begins_the_way_ends_early_and_another_goes_on():
     coarse, fine = _ends(0.004), _ends(0.004)
-    assert continuation.from_rest(coarse, begin_only=True).converged and coarse.artificial == continuation.BEGUN
-    assert [one[0] for one in coarse.passed][-1] == continuation.BEGUN
+    assert (
+        continuation.from_rest(coarse, stop_early=True).converged
+        and coarse.artificial_viscosity == continuation.COARSE_MESH_EPS
+    )
+    assert [one[0] for one in coarse.flows_found][-1] == continuation.COARSE_MESH_EPS
     coarse.space = fine.space
     assert continuation.from_guess(fine, coarse).converged
-    assert fine.passed[0][0] == continuation.BEGUN and 0.004 <= fine.artificial < continuation.SMALL
+    assert (
+        fine.flows_found[0][0] == continuation.COARSE_MESH_EPS
+        and 0.004 <= fine.artificial_viscosity < continuation.SMALL_EPS
+    )
 
 
 def test_where_the_branch_ends_its_least_flow_answers():
     problem = _ends(0.02)
     found = continuation.from_rest(problem)
-    assert found.converged and 0.02 <= problem.artificial < 0.03
-    assert abs(problem.state.x.array[0] - 2) == pytest.approx(np.sqrt(problem.artificial - 0.02), abs=1e-4)
-    assert [one[0] for one in problem.passed] == sorted((one[0] for one in problem.passed), reverse=True)
+    assert found.converged and 0.02 <= problem.artificial_viscosity < 0.03
+    assert abs(problem.state.x.array[0] - 2) == pytest.approx(np.sqrt(problem.artificial_viscosity - 0.02), abs=1e-4)
+    assert [one[0] for one in problem.flows_found] == sorted((one[0] for one in problem.flows_found), reverse=True)
 
 
 def test_a_branch_that_ends_early_is_refused():
@@ -107,13 +115,13 @@ def test_steps_are_shortened_where_the_flow_changes_fast():
     far, near = _steep(3.0), _steep(0.2)
     for problem in (far, near):
         continuation.from_rest(problem)
-        assert problem.artificial == 0.0 and problem.state.x.array == pytest.approx([3.0], abs=1e-6)
-    assert len(near.passed) > len(far.passed)
+        assert problem.artificial_viscosity == 0.0 and problem.state.x.array == pytest.approx([3.0], abs=1e-6)
+    assert len(near.flows_found) > len(far.flows_found)
 
 
 def test_the_factorizations_allowed_bound_the_way():
     problem = _steep(0.2)
-    problem.allowed = 14
+    problem.allowed_factorizations = 14
     try:
         continuation.from_rest(problem)
     except ComputationError:
@@ -126,41 +134,45 @@ def test_the_last_bit_of_the_way_is_gone_again_on_a_finer_mesh():
     continuation.from_rest(coarse)
     coarse.space = fine.space
     found = continuation.from_guess(fine, coarse)
-    assert found.converged and fine.artificial == 0.0
-    assert fine.passed[0][0] == coarse.passed[-2][0] > 0 and len(fine.passed) == 2
+    assert found.converged and fine.artificial_viscosity == 0.0
+    assert fine.flows_found[0][0] == coarse.flows_found[-2][0] > 0 and len(fine.flows_found) == 2
 
 
-@pytest.mark.parametrize("onward", (True, False))
-def test_what_the_other_mesh_left_behind_from_a_large_eps_is_left_behind_from_there(onward):
+@pytest.mark.parametrize("lower_further", (True, False))
+def test_what_the_other_mesh_left_behind_from_a_large_eps_is_left_behind_from_there(lower_further):
     coarse, fine = _smooth(), _smooth()
-    coarse.passed = [(0.02, np.array([1.98]), 0.0), (0.0, np.array([2.0]), 0.0)]
-    found = continuation.from_guess(fine, coarse, onward)
-    assert found.converged and [one[0] for one in fine.passed] == [0.02, 0.0]
+    coarse.flows_found = [(0.02, np.array([1.98]), 0.0), (0.0, np.array([2.0]), 0.0)]
+    found = continuation.from_guess(fine, coarse, lower_further)
+    assert found.converged and [one[0] for one in fine.flows_found] == [0.02, 0.0]
 
 
 def test_a_flow_of_another_mesh_that_no_path_led_to_is_the_start():
     coarse, fine = _smooth(), _smooth()
     coarse.state.x.array, coarse.space = np.array([2.0]), fine.space
     found = continuation.from_guess(fine, coarse)
-    assert found.converged and fine.artificial == 0.0
+    assert found.converged and fine.artificial_viscosity == 0.0
 
 
 def test_a_finer_mesh_begins_at_the_eps_of_the_other_and_may_do_without():
     coarse, fine = _ends(0.015), _smooth()
     continuation.from_rest(coarse)
     found = continuation.from_guess(fine, coarse)
-    assert found.converged and fine.passed[0][0] == coarse.artificial >= 0.015 and fine.artificial == 0.0
+    assert (
+        found.converged
+        and fine.flows_found[0][0] == coarse.artificial_viscosity >= 0.015
+        and fine.artificial_viscosity == 0.0
+    )
 
 
 def test_the_finest_mesh_keeps_the_eps_of_the_other():
     coarse, fine = _ends(0.015), _smooth()
     continuation.from_rest(coarse)
-    found = continuation.from_guess(fine, coarse, onward=False)
-    assert found.converged and fine.artificial == coarse.artificial >= 0.015
+    found = continuation.from_guess(fine, coarse, lower_further=False)
+    assert found.converged and fine.artificial_viscosity == coarse.artificial_viscosity >= 0.015
 
 
 def test_where_the_last_flow_of_another_mesh_leads_to_none_those_before_do():
     coarse, fine = _smooth(), _ends(0.01)
-    coarse.passed = [(eps, np.array([2.1]), 0.0) for eps in (0.02, 0.004, 0.0)]
+    coarse.flows_found = [(eps, np.array([2.1]), 0.0) for eps in (0.02, 0.004, 0.0)]
     found = continuation.from_guess(fine, coarse)
-    assert found.converged and fine.passed[0][0] <= 0.02 and fine.artificial >= 0.01
+    assert found.converged and fine.flows_found[0][0] <= 0.02 and fine.artificial_viscosity >= 0.01

@@ -33,7 +33,7 @@ def test_near_the_solution_one_factorization_serves_several_steps(monkeypatch):
         return problem, newton.newton(problem, 1e-12, 1.0, 12)
 
     problem, found = solve()
-    monkeypatch.setattr(newton, "NEAR", 0.0)
+    monkeypatch.setattr(newton, "REUSE_FOR_STEPS", 0.0)
     other, reached = solve()
     assert found.converged and problem.said.count("accelerated") >= 2
     assert "accelerated" not in other.said and found.iterations < reached.iterations
@@ -44,8 +44,8 @@ def test_an_accelerated_step_that_makes_it_worse_is_taken_back():
     problem = Equations(lambda x: np.where(x > 0.5, x, 1e3), lambda x: np.eye(1), [0.4])
     problem.linearise(None)
     problem.state.x.array = np.array([1.0])
-    step = newton.Step(4.0, 1.0, np.array([-0.9]), 0.0, 1.0)
-    *_, norm = newton._go_on(problem, problem.residual(), (np.ones(2) * 5, np.ones(2)), step, (1e-9, 1.0))
+    step = newton.DampedStep(4.0, 1.0, np.array([-0.9]), 0.0, 1.0)
+    *_, norm = newton._accelerate(problem, problem.residual(), (np.ones(2) * 5, np.ones(2)), step, (1e-9, 1.0))
     assert norm == 1.0 and problem.state.x.array == pytest.approx([1.0])
 
 
@@ -58,14 +58,14 @@ def test_no_root_is_given_up():
 
 def test_no_more_factorizations_than_allowed():
     problem = Equations(np.arctan, lambda x: np.diag(1 / (1 + x**2)), [3.0])
-    problem.allowed = 2
+    problem.allowed_factorizations = 2
     found = newton.newton(problem, 1e-12, 1.0, 12)
     assert not found.converged and problem.solver.factorizations == 2
 
 
 def test_whole_steps_that_serve_may_take_twice_as_many_factorizations(monkeypatch):
     """x^2 = 0 has a double root: each whole step halves the error."""
-    monkeypatch.setattr(newton, "NEAR", 0.0)  # no accelerated steps
+    monkeypatch.setattr(newton, "REUSE_FOR_STEPS", 0.0)  # no accelerated steps
 
     def found(limit):
         problem = Equations(lambda x: x**2, lambda x: np.diag(2 * x), [1.0])
@@ -83,7 +83,7 @@ def test_two_tiny_steps_in_a_row_are_the_last(monkeypatch, factors, made):
 
     def search(problem, residual_at, update, factor, norm):
         factor = left.pop(0)
-        return newton.Step(1.0, 1.0, update, 0.0, factor), residual_at(0.1 * factor)
+        return newton.DampedStep(1.0, 1.0, update, 0.0, factor), residual_at(0.1 * factor)
 
-    monkeypatch.setattr(newton, "_search", search)
+    monkeypatch.setattr(newton, "_search_factor", search)
     assert newton.newton(problem, 1e-9, 1.0, 4).iterations == made

@@ -14,13 +14,13 @@ class _Problem:
     """What predicted_start asks of solvers.nonlinear.FlowProblem."""
 
     def __init__(self, left=100):
-        self.taken, self.left, self.log, self.settings = None, left, io.StringIO(), settings.make()
-        self.boundaries = types.SimpleNamespace(full=lambda: None)
-        self.forms = types.SimpleNamespace(artificial=types.SimpleNamespace(value=0.4))
+        self.taken, self.factorizations_left, self.log, self.settings = None, left, io.StringIO(), settings.make()
+        self.boundaries = types.SimpleNamespace(set_full_flow=lambda: None)
+        self.forms = types.SimpleNamespace(artificial_viscosity=types.SimpleNamespace(value=0.4))
         self.space = types.SimpleNamespace(nodes=lambda: (np.zeros((2, 3)), None))
         self.solver = types.SimpleNamespace(factorizations=0)
 
-    def take(self, velocity, pressure, inflow):
+    def set_flow(self, velocity, pressure, inflow):
         self.taken = inflow
 
     def residual(self):
@@ -29,9 +29,9 @@ class _Problem:
 
 def _predicted(whole, value):
     return types.SimpleNamespace(
-        whole=whole,
+        covers_lumen=whole,
         flows=np.array([2.0, 1.0]),
-        alone_pressures=None,
+        network_pressures=None,
         ffr=lambda pressures: value,
         fields=lambda points: (np.zeros((2, 3)), np.zeros(2)),
     )
@@ -67,15 +67,15 @@ def steps(monkeypatch):
 )
 def test_the_start_depends_on_tree_and_loss(steps, whole, value, expected):
     problem = _Problem()
-    found = predicted_start.try_from(problem, _predicted(whole, value))
+    found = predicted_start.try_predicted_flow(problem, _predicted(whole, value))
     assert steps == expected
     assert (found is None) == (not expected)
     assert problem.taken == (3.0 if expected else None)
-    assert problem.forms.artificial.value == (0.0 if expected else 0.4)
+    assert problem.forms.artificial_viscosity.value == (0.0 if expected else 0.4)
     if found:
         assert found.iterations == len(expected) - 1 + 3
 
 
 def test_no_picard_step_without_a_factorization_left(steps):
-    predicted_start.try_from(_Problem(left=0), _predicted(False, 0.97))
+    predicted_start.try_predicted_flow(_Problem(left=0), _predicted(False, 0.97))
     assert steps == ["newton"]

@@ -1,9 +1,9 @@
-#include "core/shortest_ways.hpp"
+#include "core/shortest_paths.hpp"
 #include <boost/graph/dijkstra_shortest_paths.hpp>
 
 namespace anatomy {
 
-WayGraph::WayGraph(std::size_t nodes, const std::vector<Link>& links, const std::vector<double>& costs)
+CostGraph::CostGraph(std::size_t nodes, const std::vector<Link>& links, const std::vector<double>& costs)
     : graph_(boost::edges_are_unsorted_multi_pass, links.begin(), links.end(), nodes) {
   // The graph sorts its edges by their first node, and keeps the order of edges with the same first node. `sorted` has
   // the costs in this order.
@@ -20,18 +20,18 @@ WayGraph::WayGraph(std::size_t nodes, const std::vector<Link>& links, const std:
     graph_[edge].value = sorted[k++];
 }
 
-Ways WayGraph::from(std::size_t start) const {
-  Ways ways;
-  ways.cost.resize(boost::num_vertices(graph_));
-  ways.before.resize(boost::num_vertices(graph_));
+ShortestPaths CostGraph::from(std::size_t start) const {
+  ShortestPaths paths;
+  paths.cost.resize(boost::num_vertices(graph_));
+  paths.previous.resize(boost::num_vertices(graph_));
   boost::dijkstra_shortest_paths(
       graph_, start,
       boost::weight_map(boost::get(&Cost::value, graph_))
-          .distance_map(boost::make_iterator_property_map(ways.cost.begin(), boost::get(boost::vertex_index, graph_)))
+          .distance_map(boost::make_iterator_property_map(paths.cost.begin(), boost::get(boost::vertex_index, graph_)))
           .predecessor_map(
-              boost::make_iterator_property_map(ways.before.begin(), boost::get(boost::vertex_index, graph_)))
+              boost::make_iterator_property_map(paths.previous.begin(), boost::get(boost::vertex_index, graph_)))
           .distance_inf(unreached));
-  return ways;
+  return paths;
 }
 
 } // namespace anatomy

@@ -6,18 +6,18 @@ import pathlib
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(os.environ.get("VCI_BUILD_DIR", ROOT / "build"))
 PYTHON = "/usr/bin/python3"
-INPUTS = {}  # name: function(folder) -> command, a list
+INPUT_CASES = {}  # name: function(folder) -> command, a list
 
 
-def given(name):
+def input_case(name):
     """Decorator: the function makes the input of this name; each name is used once."""
 
-    def enter(make):
-        assert name not in INPUTS, name
-        INPUTS[name] = make
+    def register(make):
+        assert name not in INPUT_CASES, name
+        INPUT_CASES[name] = make
         return make
 
-    return enter
+    return register
 
 
 def lumen(command, surface, *options):

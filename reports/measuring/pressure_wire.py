@@ -7,7 +7,7 @@ MEASURED = "measured"  # name of the probe in boundary.json and ffr.json, and of
 FFR_THRESHOLD = 0.80  # at or below it a lesion is treated (ESC/EACTS guidelines on myocardial revascularisation)
 
 
-def measured_summary(files, case):
+def wire_summary(files, case):
     """{ffr_pre, ffr_post (None: not read), branch, s_mm} of the wire, from the case's file (dict) and boundary.json.
 
     None if nothing was measured. Raises InputError if boundary.json lacks the wire's probe.
@@ -22,7 +22,7 @@ def measured_summary(files, case):
     return {"ffr_pre": given.get("ffr_pre"), "ffr_post": given.get("ffr_post"), **place}
 
 
-def at_the_wire(solution):
+def ffr_at_wire(solution):
     """FFR of a solution (content of ffr.json) at the wire's sensor. None if it has no probe there."""
     return next((float(probe["ffr"]) for probe in solution.get("probes", []) if probe["name"] == MEASURED), None)
 
@@ -35,11 +35,11 @@ def wire_pair(document, state):
     measured, entry = document.get("measured"), document["states"].get(state)
     if measured is None or entry is None or entry["ffr"] is None:
         return None
-    computed, read = entry["ffr"]["at_wire"], measured["ffr_pre" if state == "pre" else "ffr_post"]
-    return None if computed is None or read is None else (computed, read)
+    computed, reading = entry["ffr"]["at_wire"], measured["ffr_pre" if state == "pre" else "ffr_post"]
+    return None if computed is None or reading is None else (computed, reading)
 
 
-def same_side(first, second):
+def same_decision_share(first, second):
     """Share (0 to 1) of cases in which both FFRs (n,) lead to the same decision: treat (<= FFR_THRESHOLD) or not."""
     same = [(a <= FFR_THRESHOLD) == (b <= FFR_THRESHOLD) for a, b in zip(first, second)]
     return sum(same) / len(same)

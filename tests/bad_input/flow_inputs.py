@@ -3,7 +3,7 @@
 import json
 
 import tubes
-from given import ROOT, given, module
+from input_cases import ROOT, input_case, module
 
 CASE = ROOT / "config" / "cases" / "quick_focal.yaml"
 PATIENT = ["--lvm-g", "130", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
@@ -32,71 +32,71 @@ def plan(folder, case=CASE, devices=ROOT / "config" / "devices"):
     )
 
 
-@given("an anatomy.json that is not there")
+@input_case("an anatomy.json that is not there")
 def _(folder):
     return module("flow", "boundary", "--anatomy", folder / "anatomy.json", *PATIENT, "--out", folder / "out.json")
 
 
-@given("an anatomy.json of nothing")
+@input_case("an anatomy.json of nothing")
 def _(folder):
     command = boundary(folder)
     (folder / "anatomy" / "anatomy.json").write_text("")
     return command
 
 
-@given("an anatomy.json that is a list")
+@input_case("an anatomy.json that is a list")
 def _(folder):
     command = boundary(folder)
     (folder / "anatomy" / "anatomy.json").write_text("[]")
     return command
 
 
-@given("an anatomy.json without ends")
+@input_case("an anatomy.json without ends")
 def _(folder):
     return boundary(folder, change=lambda document: document.pop("ends"))
 
 
-@given("an anatomy.json with an outlet of no width")
+@input_case("an anatomy.json with an outlet of no width")
 def _(folder):
     return boundary(folder, change=lambda document: document["ends"][1].update(diameter_mm=0))
 
 
-@given("an anatomy.json with an outlet of a branch that is not there")
+@input_case("an anatomy.json with an outlet of a branch that is not there")
 def _(folder):
     return boundary(folder, change=lambda document: document["ends"][1].update(branch="side4"))
 
 
-@given("a patient without a mass")
+@input_case("a patient without a mass")
 def _(folder):
     return boundary(folder, patient=PATIENT[2:])
 
 
-@given("a patient given twice")
+@input_case("a patient given twice")
 def _(folder):
     return boundary(folder, "--case", CASE)
 
 
-@given("a systolic pressure below the diastolic")
+@input_case("a systolic pressure below the diastolic")
 def _(folder):
     return boundary(folder, patient=["--lvm-g", "130", "--sbp-mmhg", "70", "--dbp-mmhg", "80"])
 
 
-@given("a mass of nothing")
+@input_case("a mass of nothing")
 def _(folder):
     return boundary(folder, patient=["--lvm-g", "0", *PATIENT[2:]])
 
 
-@given("a pressure that is not a number")
+@input_case("a pressure that is not a number")
 def _(folder):
     return boundary(folder, patient=[*PATIENT[:3], "nan", *PATIENT[4:]])
 
 
-@given("a centreline that is not there")
+@input_case("a centreline that is not there")
 def _(folder):
     return boundary(folder, "--centreline", folder / "gone.vtp")
 
 
-@given("a surface in place of the centreline")
+@input_case("a surface in place of the centreline")
 def _(folder):
     return boundary(folder, "--centreline", folder / "anatomy" / "lumen.vtp")
 
@@ -110,61 +110,61 @@ def solve(folder, content):
     return module("flow", "solve", folder / "mesh.msh", *files)
 
 
-@given("a boundary.json that was cut off")
+@input_case("a boundary.json that was cut off")
 def _(folder):
     return solve(folder, '{"schema": "vci-boundary-1", ')
 
 
-@given("a boundary.json of another schema")
+@input_case("a boundary.json of another schema")
 def _(folder):
     return solve(folder, '{"schema": "vci-anatomy-1"}')
 
 
-@given("a boundary.json of numbers that are not finite")
+@input_case("a boundary.json of numbers that are not finite")
 def _(folder):
     return solve(folder, '{"schema": "vci-boundary-1", "inlet_pressure_pa": NaN}')
 
 
-@given("a lumen for the mesh that is not there")
+@input_case("a lumen for the mesh that is not there")
 def _(folder):
     line = anatomy(folder / "anatomy").parent / "centreline.vtp"
     return module("flow", "mesh", folder / "gone.vtp", "--centreline", line, "--out", folder / "out" / "mesh.msh")
 
 
-@given("a mesh that would replace its lumen")
+@input_case("a mesh that would replace its lumen")
 def _(folder):
     where = anatomy(folder / "anatomy").parent
     command = module("flow", "mesh", where / "lumen.vtp", "--centreline", where / "centreline.vtp")
     return [*command, "--out", folder / "out.msh", "--json", where / "lumen.vtp"]
 
 
-@given("a plan for a lesion that the lumen does not have")
+@input_case("a plan for a lesion that the lumen does not have")
 def _(folder):
     return plan(folder)
 
 
-@given("a plan from a folder without devices")
+@input_case("a plan from a folder without devices")
 def _(folder):
     (folder / "none").mkdir()
     return plan(folder, devices=folder / "none")
 
 
-@given("a cohort of fewer than no patients")
+@input_case("a cohort of fewer than no patients")
 def _(folder):
     return module("data_synthetic", "draw", "--count", "-3", "--seed", "1", "--out", folder / "out")
 
 
-@given("a cohort of a million million patients")
+@input_case("a cohort of a million million patients")
 def _(folder):
     return module("data_synthetic", "draw", "--count", "1000000000000", "--seed", "1", "--out", folder / "out")
 
 
-@given("a user's own surface to generate")
+@input_case("a user's own surface to generate")
 def _(folder):
     return module("data_synthetic", "generate", ROOT / "config" / "cases" / "real_artery.yaml", "--out", folder / "out")
 
 
-@given("metrics that are another file")
+@input_case("metrics that are another file")
 def _(folder):
     path = anatomy(folder / "anatomy")
     return module("reports", "agreement", "--metrics", path, "--out", folder / "out.csv")
@@ -173,12 +173,12 @@ def _(folder):
 # unusual, but computed
 
 
-@given("a patient of a light heart and low pressures")
+@input_case("a patient of a light heart and low pressures")
 def _(folder):
     return boundary(folder, patient=["--lvm-g", "40", "--sbp-mmhg", "75", "--dbp-mmhg", "45"])
 
 
-@given("an anatomy.json in a folder with blanks and an umlaut")
+@input_case("an anatomy.json in a folder with blanks and an umlaut")
 def _(folder):
     path = anatomy(folder / "Gefäß 1")
     return module("flow", "boundary", "--anatomy", path, *PATIENT, "--out", folder / "out" / "boundary 1.json")

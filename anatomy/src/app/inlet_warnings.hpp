@@ -10,12 +10,13 @@ namespace anatomy {
 /// - main's last third is about as wide as the inlet, and then narrows to main's end;
 /// - main widens from the inlet;
 /// - the side branches lean back towards the inlet on average.
-void doubt_inlet(const std::vector<End>& ends, const std::vector<Branch>& branches, std::vector<Repair>& notes);
+void warn_of_doubtful_inlet(const std::vector<End>& ends, const std::vector<Branch>& branches,
+                            std::vector<Repair>& notes);
 
 /// Warns if an outlet is at least a quarter wider than the inlet that the user named.
-void doubt_named_inlet(const std::vector<End>& ends, std::vector<Repair>& notes);
+void warn_of_narrow_inlet(const std::vector<End>& ends, std::vector<Repair>& notes);
 
 /// Warns of each branch whose axis turns back where a side branch leaves, as the longest path through a graft does.
-void doubt_course(const std::vector<Branch>& branches, std::vector<Repair>& notes);
+void warn_of_turning_back(const std::vector<Branch>& branches, std::vector<Repair>& notes);
 
 } // namespace anatomy

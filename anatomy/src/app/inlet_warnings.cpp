@@ -1,43 +1,44 @@
-#include "app/inlet_doubts.hpp"
+#include "app/inlet_warnings.hpp"
 #include <algorithm>
 
 namespace anatomy {
 namespace {
 
-constexpr double about_as_wide = 0.9; // least ratio of a width to the inlet's diameter that counts as about as wide
+constexpr double equal_width_ratio = 0.9; // least ratio of a width to the inlet's diameter that counts as about as wide
 // Least ratio of the healthy widths of main's last and first third that counts as widening.
-constexpr double widening = 1.04;
+constexpr double widening_ratio = 1.04;
 // Largest ratio of an end's width to the healthy width of main's last third that counts as narrowed.
-constexpr double narrowed = 0.85;
+constexpr double narrowed_ratio = 0.85;
 // Quantile of the widths in a third that is its healthy width: lesions and short ectasias do not count.
-constexpr double healthy = 0.9;
+constexpr double healthy_quantile = 0.9;
 // Mean cosine of the angle between side branch and parent, below which side branches lean back. It is 27 degrees beyond
 // a right angle; a conus branch has 25.
-constexpr double leans_back = -0.45;
-constexpr double much_wider = 1.25; // least ratio of an outlet's width to the named inlet's that gives a warning
+constexpr double leaning_back_cosine = -0.45;
+constexpr double wider_outlet_ratio =
+    1.25; // least ratio of an outlet's width to the named inlet's that gives a warning
 // Degrees of turn that give a warning; a left main turns into the circumflex by a right angle at the most.
-constexpr double turns_back = 100;
-constexpr double leaving = 4; // radii of a branch over which directions are taken
+constexpr double turning_back_degrees = 100;
+constexpr double direction_radii = 4; // radii of a branch over which directions are taken
 
-// Each of the following by_... functions returns a reason to doubt the inlet as text, or an empty text.
-std::string by_another_end(const std::vector<End>& ends) {
+// Each of the following ..._doubt() functions returns a reason to doubt the inlet as text, or an empty text.
+std::string wide_end_doubt(const std::vector<End>& ends) {
   const End *inlet = nullptr, *other = nullptr;
   for (const End& end : ends)
     if (end.inlet)
       inlet = &end;
     else if (!other || end.area > other->area)
       other = &end;
-  if (!inlet || !other || other->radius() < about_as_wide * inlet->radius())
+  if (!inlet || !other || other->radius() < equal_width_ratio * inlet->radius())
     return "";
   char text[160];
   std::snprintf(text, sizeof text, "it is %.2f mm wide, the end at %s %.2f mm", 2 * inlet->radius(),
-                place(other->centre).c_str(), 2 * other->radius());
+                point_text(other->centre).c_str(), 2 * other->radius());
   return text;
 }
 
 // The healthy width (mm) of a part of a vessel with these inscribed radii (mm).
 double healthy_width(std::vector<double> radii) {
-  const auto at = static_cast<std::ptrdiff_t>(healthy * static_cast<double>(radii.size() - 1));
+  const auto at = static_cast<std::ptrdiff_t>(healthy_quantile * static_cast<double>(radii.size() - 1));
   std::nth_element(radii.begin(), radii.begin() + at, radii.end());
   return 2 * radii[static_cast<std::size_t>(at)];
 }
@@ -49,24 +50,24 @@ std::pair<double, double> healthy_widths(const Branch& main) {
           healthy_width({main.radius.end() - third, main.radius.end()})};
 }
 
-std::string by_widening(const Branch& main) {
+std::string widening_doubt(const Branch& main) {
   const auto [first, last] = healthy_widths(main);
-  if (last < widening * first)
+  if (last < widening_ratio * first)
     return "";
   char text[120];
   std::snprintf(text, sizeof text, "the vessel widens from it, from %.2f to %.2f mm", first, last);
   return text;
 }
 
-std::string by_narrowed_end(const std::vector<End>& ends, const Branch& main) {
+std::string narrowed_end_doubt(const std::vector<End>& ends, const Branch& main) {
   const double last = healthy_widths(main).second;
   const End& end = ends[main.end];
   const auto inlet = std::find_if(ends.begin(), ends.end(), [](const End& one) { return one.inlet; });
-  if (inlet == ends.end() || 2 * end.radius() > narrowed * last || last < about_as_wide * 2 * inlet->radius())
+  if (inlet == ends.end() || 2 * end.radius() > narrowed_ratio * last || last < equal_width_ratio * 2 * inlet->radius())
     return "";
   char text[200];
   std::snprintf(text, sizeof text, "it is %.2f mm wide, the vessel %.2f mm before it narrows to %.2f mm at its end %s",
-                2 * inlet->radius(), last, 2 * end.radius(), place(end.centre).c_str());
+                2 * inlet->radius(), last, 2 * end.radius(), point_text(end.centre).c_str());
   return text;
 }
 
@@ -79,18 +80,18 @@ Vec3 direction(const Branch& branch, double s, double length) {
   return (at(s + length) - at(s)).normalized();
 }
 
-std::string by_side_branches(const std::vector<Branch>& branches) {
+std::string side_branch_doubt(const std::vector<Branch>& branches) {
   int all = 0;
   double sum = 0;
   for (const Branch& side : branches) {
     if (side.parent < 0)
       continue;
-    const double length = leaving * side.radius_at(side.s_outside);
+    const double length = direction_radii * side.radius_at(side.s_outside);
     const Branch& parent = branches[static_cast<std::size_t>(side.parent)];
     ++all;
     sum += direction(side, side.s_outside, length).dot(direction(parent, side.s_on_parent, length));
   }
-  return sum < leans_back * all ? "the side branches lean back towards it" : "";
+  return sum < leaning_back_cosine * all ? "the side branches lean back towards it" : "";
 }
 
 // The greatest turn (degrees) of an axis within `length` mm of s, and its place (mm). A turn is the angle between the
@@ -107,26 +108,27 @@ std::pair<double, double> greatest_turn(const Branch& branch, double s, double l
 
 } // namespace
 
-void doubt_named_inlet(const std::vector<End>& ends, std::vector<Repair>& notes) {
+void warn_of_narrow_inlet(const std::vector<End>& ends, std::vector<Repair>& notes) {
   const auto inlet = std::find_if(ends.begin(), ends.end(), [](const End& end) { return end.inlet; });
   const auto widest =
       std::max_element(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.area < b.area; });
-  if (inlet == ends.end() || widest->radius() < much_wider * inlet->radius())
+  if (inlet == ends.end() || widest->radius() < wider_outlet_ratio * inlet->radius())
     return;
   char detail[240];
   std::snprintf(detail, sizeof detail,
                 "the inlet that was named is %.2f mm wide, the outlet at %s %.2f mm. Does blood enter there?",
-                2 * inlet->radius(), place(widest->centre).c_str(), 2 * widest->radius());
+                2 * inlet->radius(), point_text(widest->centre).c_str(), 2 * widest->radius());
   notes.push_back({"inlet narrower than an outlet", 1, detail, true});
 }
 
-void doubt_course(const std::vector<Branch>& branches, std::vector<Repair>& notes) {
+void warn_of_turning_back(const std::vector<Branch>& branches, std::vector<Repair>& notes) {
   for (const Branch& side : branches) {
     if (side.parent < 0)
       continue;
     const Branch& parent = branches[static_cast<std::size_t>(side.parent)];
-    const auto [turn, at] = greatest_turn(parent, side.s_on_parent, leaving * parent.radius_at(side.s_on_parent));
-    if (turn < turns_back)
+    const auto [turn, at] =
+        greatest_turn(parent, side.s_on_parent, direction_radii * parent.radius_at(side.s_on_parent));
+    if (turn < turning_back_degrees)
       continue;
     char detail[320];
     std::snprintf(
@@ -138,15 +140,16 @@ void doubt_course(const std::vector<Branch>& branches, std::vector<Repair>& note
   }
 }
 
-void doubt_inlet(const std::vector<End>& ends, const std::vector<Branch>& branches, std::vector<Repair>& notes) {
-  std::string why;
-  for (const std::string& one : {by_another_end(ends), by_narrowed_end(ends, branches.front()),
-                                 by_widening(branches.front()), by_side_branches(branches)})
-    if (!one.empty())
-      why += (why.empty() ? "" : "; ") + one;
-  if (!why.empty())
+void warn_of_doubtful_inlet(const std::vector<End>& ends, const std::vector<Branch>& branches,
+                            std::vector<Repair>& notes) {
+  std::string doubts;
+  for (const std::string& doubt : {wide_end_doubt(ends), narrowed_end_doubt(ends, branches.front()),
+                                   widening_doubt(branches.front()), side_branch_doubt(branches)})
+    if (!doubt.empty())
+      doubts += (doubts.empty() ? "" : "; ") + doubt;
+  if (!doubts.empty())
     notes.push_back(
-        {"inlet chosen by its width alone", 1, why + ". If the inlet is elsewhere, name it by --inlet", true});
+        {"inlet chosen by its width alone", 1, doubts + ". If the inlet is elsewhere, name it by --inlet", true});
 }
 
 } // namespace anatomy

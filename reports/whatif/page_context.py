@@ -1,9 +1,9 @@
 """Rows of the page on a case's other plans, and on the inputs that its FFR depends on."""
 
-from reports.whatif.tables import QUANTITIES, STATES, intervals, ranking, records
+from reports.whatif.tables import QUANTITY_LABELS, STATE_LABELS, read_intervals, read_ranking, records
 
-DIGITS = {"ffr": 3, "minimal_stent_area_mm2": 2}
-OVER = {"flow": "what the flow rests on", "deployment": "that and the deployment's inputs"}
+QUANTITY_DIGITS = {"ffr": 3, "minimal_stent_area_mm2": 2}
+VARIED_INPUTS = {"flow": "what the flow rests on", "deployment": "that and the deployment's inputs"}
 
 
 def planner_context(folder):
@@ -12,14 +12,14 @@ def planner_context(folder):
     plans: rows of ranking.csv; intervals: rows of the sampled intervals. ffr_ranges: {state: (lower, upper)} of FFR,
     also over the deployment's inputs if they were varied (deployment_varied).
     """
-    plans = ranking(folder)
-    varied = intervals(folder)
+    plans = read_ranking(folder)
+    varied = read_intervals(folder)
     rows = [
         {
             **row,
-            "name": f"{QUANTITIES[row['quantity']]} {STATES[row['state']]}",
-            "digits": DIGITS[row["quantity"]],
-            "words": OVER[source],
+            "name": f"{QUANTITY_LABELS[row['quantity']]} {STATE_LABELS[row['state']]}",
+            "digits": QUANTITY_DIGITS[row["quantity"]],
+            "words": VARIED_INPUTS[source],
         }
         for source, table in varied.items()
         for row in records(table)

@@ -7,7 +7,7 @@ import pytest
 
 from common.documents import config
 from data_synthetic.reference import run
-from data_synthetic.reference.slices import own_error, slices
+from data_synthetic.reference.slices import error_estimate, slices
 from data_synthetic.reference.treatment import devices
 
 STEP, MESH = 0.02, 0.08  # error of the area per mm of load step, and of one element
@@ -33,7 +33,7 @@ def records(count):
 
 
 def test_mesh_and_step_are_told_apart():
-    found = own_error.estimate(records(13), SETTINGS, measured)
+    found = error_estimate.estimate(records(13), SETTINGS, measured)
     assert len(found["slices"]) == 3 and found["slices"][0]["s_mm"] == 1.0, "the tightest first"
     assert found["step_area_percent"] == pytest.approx(100 * (1.004 / 1.002 - 1))
     assert found["mesh_area_percent"] == pytest.approx(100 * (1.08 / 1.04 - 1))
@@ -41,7 +41,7 @@ def test_mesh_and_step_are_told_apart():
 
 
 def test_spacing_is_the_curvature_of_the_area():
-    coarse, fine = (own_error.estimate(records(n), SETTINGS, measured)["spacing_area_percent"] for n in (31, 61))
+    coarse, fine = (error_estimate.estimate(records(n), SETTINGS, measured)["spacing_area_percent"] for n in (31, 61))
     # at an extremum between slices h apart, one left out, the cubic is flat: h^2 / 2 |A''|, here of an area of 7
     for found, h in ((coarse, 0.2), (fine, 0.1)):
         assert 0.5 < found["largest"] / (100 * 0.5 * h**2 / 7) < 1.05
@@ -53,19 +53,19 @@ def test_spacing_is_the_curvature_of_the_area():
 
 def test_a_straight_line_is_not_missed():
     s = np.array([0.0, 0.7, 1.0, 2.5, 3.0])
-    assert own_error.missed(s, np.pi * (3 + 2 * s) ** 2, 0.6) == pytest.approx(0, abs=1e-9)
+    assert error_estimate.leave_one_out_change(s, np.pi * (3 + 2 * s) ** 2, 0.6) == pytest.approx(0, abs=1e-9)
 
 
 def test_no_check_asked_for():
-    found = own_error.estimate(records(4), dict(SETTINGS, check_slices=0), measured)
+    found = error_estimate.estimate(records(4), dict(SETTINGS, check_slices=0), measured)
     assert found == {"slices": []}
 
 
 def test_a_coarser_reference_says_so():
     default = config.load_section(None, "reference")
-    assert run._coarser(default) == {}
+    assert run._coarser_settings(default) == {}
     coarse = default | {"slice_spacing_mm": 1.0, "elements_around": 16, "radius_step_mm": 0.05, "elements_through": 9}
-    assert run._coarser(coarse) == {"slice_spacing_mm": [1.0, 0.75], "elements_around": [16, 24]}
+    assert run._coarser_settings(coarse) == {"slice_spacing_mm": [1.0, 0.75], "elements_around": [16, 24]}
 
 
 def test_slices_are_added_where_the_area_bends_sharply(monkeypatch):
@@ -78,14 +78,14 @@ def test_slices_are_added_where_the_area_bends_sharply(monkeypatch):
         record = {"s_mm": s_mm, "stented": stented, "area_mm2": value, "radius_before_mm": 1.0, "iterations": 1}
         return np.full((4, 2), value), record
 
-    monkeypatch.setattr(slices, "solve", solve)
+    monkeypatch.setattr(slices, "solve_slice", solve)
     balloon = devices.Balloon("b", 12.0, 14.0, 1.5, 1.0, 20.0, 1.2)
     steps = [devices.Step("stent", "stent", balloon, devices.Stent("s", 6.0, 18.0, 0.955, 0.2, 20.0))]
     axis = types.SimpleNamespace(length_mm=40.0)
     patient = types.SimpleNamespace(branch=types.SimpleNamespace(name="main", axis=axis))
     model = types.SimpleNamespace(annulus=types.SimpleNamespace(theta_rad=np.arange(4) * np.pi / 2))
     settings = config.load_section(None, "reference")
-    _, records, _ = slices.lumen_field(model, patient, steps, settings)
+    _, records, _ = slices.solve_lumen(model, patient, steps, settings)
     held = np.array(sorted(s for s, stented in positions if stented))
     even = np.linspace(6, 18, 17)
     added = held[np.abs(held[:, None] - even).min(axis=1) > 1e-9]
@@ -94,5 +94,5 @@ def test_slices_are_added_where_the_area_bends_sharply(monkeypatch):
     area = np.array([8.0 + 2.0 * max(s - kink, 0.0) for s in held])
     tolerance = settings["slice_tolerance_percent"]
     coupling = settings["edge_decay_mm"]
-    assert own_error.missed(even, 8.0 + 2.0 * np.maximum(even - kink, 0), coupling).max() > tolerance
-    assert own_error.missed(held, area, coupling).max() <= tolerance
+    assert error_estimate.leave_one_out_change(even, 8.0 + 2.0 * np.maximum(even - kink, 0), coupling).max() > tolerance
+    assert error_estimate.leave_one_out_change(held, area, coupling).max() <= tolerance

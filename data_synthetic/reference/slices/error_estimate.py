@@ -10,30 +10,34 @@ from ..surface import deformation
 FEWEST_FOR_SPACING = 5
 
 
-def estimate(records, settings, area_with):
+def estimate(records, settings, slice_area):
     """The document `error_estimate` of reference.json; all errors in per cent of a slice's area.
 
-    records: the solved slices. area_with(refinement, settings, s_mm, stented): solves a slice again with `refinement`
+    records: the solved slices. slice_area(refinement, settings, s_mm, stented): solves a slice again with `refinement`
     times the elements, and returns its area in mm2. In the document, `slices` lists the slices that were solved again.
     step_percent is the change of a slice's area from half the load step to the full one. mesh_percent is the change
     from twice the elements to the usual number, both at half the load step. The error by spacing is the change of the
-    area if a slice is left out (`missed`).
+    area if a slice is left out (`leave_one_out_change`).
     """
     stented = sorted((r for r in records if r["stented"]), key=lambda r: r["s_mm"])
     pool = stented or sorted(records, key=lambda r: r["s_mm"])
-    result = {"slices": [_checked(record, settings, area_with) for record in _picked(pool, settings["check_slices"])]}
+    result = {
+        "slices": [
+            _slice_error(record, settings, slice_area) for record in _checked_slices(pool, settings["check_slices"])
+        ]
+    }
     for name in ("mesh", "step", "mesh_and_step"):
         if result["slices"]:
             result[f"{name}_area_percent"] = max(abs(entry[f"{name}_percent"]) for entry in result["slices"])
     if len(stented) >= FEWEST_FOR_SPACING:
         s, area = (np.array([r[key] for r in stented]) for key in ("s_mm", "area_mm2"))
-        error = missed(s, area, settings["edge_decay_mm"])
+        error = leave_one_out_change(s, area, settings["edge_decay_mm"])
         result["spacing_area_percent"] = {"mean": float(error.mean()), "largest": float(error.max())}
         result["spacing_note"] = "largest change of the area anywhere by leaving out a slice: an upper estimate"
     return result
 
 
-def _picked(pool, count):
+def _checked_slices(pool, count):
     """`count` slices: the narrowest one before the procedure, then others at even intervals."""
     if count == 0:
         return []
@@ -42,11 +46,11 @@ def _picked(pool, count):
     return [pool[i] for i in ([tightest] + [int(i) for i in others if i != tightest])[:count]]
 
 
-def _checked(record, settings, area_with):
+def _slice_error(record, settings, slice_area):
     print(f"error estimate: slice at s {record['s_mm']:.2f} mm, half the step, twice the elements", file=sys.stderr)
     halved = dict(settings, radius_step_mm=0.5 * settings["radius_step_mm"])
-    place = (record["s_mm"], record["stented"])
-    small_steps, both = area_with(1, halved, *place), area_with(2, halved, *place)
+    position = (record["s_mm"], record["stented"])
+    small_steps, both = slice_area(1, halved, *position), slice_area(2, halved, *position)
     return {
         "s_mm": record["s_mm"],
         "step_percent": 100 * (record["area_mm2"] / small_steps - 1),
@@ -55,21 +59,25 @@ def _checked(record, settings, area_with):
     }
 
 
-def missed(s_mm, area_mm2, coupling_mm):
+def leave_one_out_change(s_mm, area_mm2, coupling_mm):
     """Largest change in per cent (n,) of the lumen's area along the span if one slice is left out; 0 for the two ends.
 
     s_mm, area_mm2 (n,): slices of one span. The radii of circles of equal area are interpolated and coupled along the
     axis, as SpanField does with the lumen's displacement. coupling_mm: see SpanField.
     """
-    fine = deformation.fine_positions(s_mm)
-    join = deformation.coupled(np.eye(len(fine)), fine[1] - fine[0], coupling_mm) if coupling_mm else np.eye(len(fine))
+    fine = deformation.grid_positions(s_mm)
+    coupling = (
+        deformation.couple_along_axis(np.eye(len(fine)), fine[1] - fine[0], coupling_mm)
+        if coupling_mm
+        else np.eye(len(fine))
+    )
     radius = np.sqrt(np.asarray(area_mm2) / np.pi)
 
-    def joined(kept):
-        return (join @ PchipInterpolator(s_mm[kept], radius[kept])(fine)) ** 2
+    def squared_radius(kept):
+        return (coupling @ PchipInterpolator(s_mm[kept], radius[kept])(fine)) ** 2
 
-    error, all_of_them = np.zeros(len(s_mm)), joined(np.full(len(s_mm), True))
+    error, all_slices = np.zeros(len(s_mm)), squared_radius(np.full(len(s_mm), True))
     for i in range(1, len(s_mm) - 1):
-        without = joined(np.arange(len(s_mm)) != i)
-        error[i] = 100 * np.abs(without / all_of_them - 1).max()
+        without = squared_radius(np.arange(len(s_mm)) != i)
+        error[i] = 100 * np.abs(without / all_slices - 1).max()
     return error

@@ -8,7 +8,7 @@ import tubes
 from flow import settings
 from flow.geometry.centreline import Tree
 from flow.inputs import boundary
-from given import given, module
+from input_cases import input_case, module
 
 USE = {"device": "des_3.00x18", "branch": "main", "centre_s_mm": 20.0, "pressure_bar": 12}
 STENT = {"kind": "stent", "nominal_diameter_mm": 3.0, "length_mm": 18}
@@ -69,61 +69,61 @@ def varied(folder, deployment):
     return module("whatif", "plans", "--states", "pre", "vci", *out)
 
 
-@given("a plan to carry that is not there")
+@input_case("a plan to carry that is not there")
 def _(folder):
     return carried(folder, None)
 
 
-@given("a plan to carry without its treated segment")
+@input_case("a plan to carry without its treated segment")
 def _(folder):
     return carried(folder, {key: value for key, value in PLAN.items() if key != "segment"})
 
 
-@given("a plan to carry with a device that it does not define")
+@input_case("a plan to carry with a device that it does not define")
 def _(folder):
     return carried(folder, PLAN | {"devices": {}})
 
 
-@given("a plan for a scene that was cut off")
+@input_case("a plan for a scene that was cut off")
 def _(folder):
     return scene(folder, json.dumps(PLAN)[:99])
 
 
-@given("a list in place of the plan for a scene")
+@input_case("a list in place of the plan for a scene")
 def _(folder):
     return scene(folder, [PLAN])
 
 
-@given("a plan for a scene without its settings")
+@input_case("a plan for a scene without its settings")
 def _(folder):
     return scene(folder)
 
 
-@given("settings of the flow in place of those for a scene")
+@input_case("settings of the flow in place of those for a scene")
 def _(folder):
     return scene(folder, settings={"rings": 4})
 
 
-@given("metrics in place of a plan for its stents alone")
+@input_case("metrics in place of a plan for its stents alone")
 def _(folder):
     return stents(folder, {"schema": "vci-metrics-1"})
 
 
-@given("a plan for its stents alone with an infinite pressure")
+@input_case("a plan for its stents alone with an infinite pressure")
 def _(folder):
     return stents(folder, json.dumps(PLAN).replace("12", "1e999"))
 
 
-@given("a plan for its stents alone that has none")
+@input_case("a plan for its stents alone that has none")
 def _(folder):
     return stents(folder, PLAN | {"devices": {"des_3.00x18": STENT | {"kind": "balloon"}}})
 
 
-@given("a case to vary that was not deployed")
+@input_case("a case to vary that was not deployed")
 def _(folder):
     return varied(folder, None)
 
 
-@given("a case to vary whose deployment.json was cut off")
+@input_case("a case to vary whose deployment.json was cut off")
 def _(folder):
     return varied(folder, '{"schema": "vci-deployment-1", ')

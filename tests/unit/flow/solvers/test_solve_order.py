@@ -8,21 +8,21 @@ from common.errors import ComputationError
 from flow.solvers import nonlinear
 
 CONVERGED, FAILED = (types.SimpleNamespace(converged=done, iterations=0) for done in (True, False))
-TUBE, TREE = (types.SimpleNamespace(whole=whole) for whole in (True, False))
+TUBE, TREE = (types.SimpleNamespace(covers_lumen=whole) for whole in (True, False))
 
 
 class _Problem:
     """What FlowProblem's ways ask of it; gone: their names."""
 
     def __init__(self):
-        self.gone, self.passed, self.solver = [], [(0.1, None, 0.0)], types.SimpleNamespace(factorizations=7)
+        self.gone, self.flows_found, self.solver = [], [(0.1, None, 0.0)], types.SimpleNamespace(factorizations=7)
 
     solve, solve_from_guess = nonlinear.FlowProblem.solve, nonlinear.FlowProblem.solve_from_guess
 
-    def restart(self):
+    def set_to_rest(self):
         self.gone.append("rest")
 
-    def stalled(self, found):
+    def stall_error(self, found):
         return ComputationError("the flow solver stalled", "here", 0, "none")
 
 
@@ -42,8 +42,8 @@ def ways(monkeypatch):
 
             return go
 
-        monkeypatch.setattr(nonlinear.predicted_start, "try_from", lambda *_: predicted)
-        monkeypatch.setattr(nonlinear.ramp, "climb", way("ramp", ramp))
+        monkeypatch.setattr(nonlinear.predicted_start, "try_predicted_flow", lambda *_: predicted)
+        monkeypatch.setattr(nonlinear.ramp, "raise_flow", way("ramp", ramp))
         monkeypatch.setattr(nonlinear.continuation, "from_rest", way("eps", CONVERGED))
         monkeypatch.setattr(nonlinear.continuation, "from_guess", way("guess", guess))
         return problem
@@ -52,7 +52,7 @@ def ways(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("lumen", "predicted", "ramp", "begin_only", "gone"),
+    ("lumen", "predicted", "ramp", "stop_early", "gone"),
     [
         (TUBE, CONVERGED, FAILED, False, []),
         (TUBE, FAILED, CONVERGED, False, ["rest", "ramp"]),
@@ -63,22 +63,22 @@ def ways(monkeypatch):
         (TREE, None, CONVERGED, True, ["rest", "eps"]),
     ],
 )
-def test_each_way_follows_the_one_that_failed(ways, lumen, predicted, ramp, begin_only, gone):
+def test_each_way_follows_the_one_that_failed(ways, lumen, predicted, ramp, stop_early, gone):
     problem = ways(predicted, ramp)
-    assert problem.solve(None, lumen, begin_only) is CONVERGED and problem.gone == gone
+    assert problem.solve(None, lumen, stop_early) is CONVERGED and problem.gone == gone
 
 
 def test_a_tube_whose_mesh_only_begins_is_given_up_after_one_way(ways):
     problem = ways(FAILED, CONVERGED)
     with pytest.raises(ComputationError, match="stalled"):
-        problem.solve(None, TUBE, begin_only=True)
+        problem.solve(None, TUBE, stop_early=True)
     assert problem.gone == []
 
 
 def test_a_guess_that_leads_nowhere_leaves_the_problem_at_rest(ways):
     problem = ways(guess=None)
-    assert problem.solve_from_guess(None, whole=True) is None
-    assert problem.gone == ["guess", "rest"] and problem.passed == []
+    assert problem.solve_from_guess(None, full_effort=True) is None
+    assert problem.gone == ["guess", "rest"] and problem.flows_found == []
     with pytest.raises(ComputationError, match="stalled"):
         problem.solve_from_guess(None)
-    assert ways(guess=CONVERGED).solve_from_guess(None, whole=True) is CONVERGED
+    assert ways(guess=CONVERGED).solve_from_guess(None, full_effort=True) is CONVERGED

@@ -57,7 +57,7 @@ def branch_named(summary, name, where):
     raise InputError("no such branch", where, name, f"branches of this lumen: {known}")
 
 
-def lesion_number(summary, number, where):
+def lesion_numbered(summary, number, where):
     """The entry of the n-th most severe lesion (from 1) in anatomy.json (`summary`). Raises InputError if it has fewer.
 
     where: the place of the number in the user's input, for the message.

@@ -2,7 +2,7 @@
 
 import shutil
 
-from given import ROOT, given, module
+from input_cases import ROOT, input_case, module
 
 CASE = "cases/one.yaml"
 SURFACE = """kind: surface
@@ -69,70 +69,70 @@ EDITS = {
 
 
 def make(name, old, new):
-    given(name)(lambda folder: edited(folder, old, new))
+    input_case(name)(lambda folder: edited(folder, old, new))
 
 
 for one, (before, after) in EDITS.items():
     make(one, before, after)
 
 
-@given("a case file of nothing")
+@input_case("a case file of nothing")
 def _(folder):
     return study(folder, "")
 
 
-@given("a case file of one word")
+@input_case("a case file of one word")
 def _(folder):
     return study(folder, "vessel\n")
 
 
-@given("a case file that is not text")
+@input_case("a case file that is not text")
 def _(folder):
     return study(folder, bytes(range(256)))
 
 
-@given("a case file in UTF-16")
+@input_case("a case file in UTF-16")
 def _(folder):
     return study(folder, SURFACE.encode("utf-16"))
 
 
-@given("lists of lists of aliases, 9^9 values")
+@input_case("lists of lists of aliases, 9^9 values")
 def _(folder):
     laughs = "".join(f"k{i}: &k{i} [{','.join(9 * [f'*k{i - 1}'])}]\n" for i in range(1, 10))
     return study(folder, "k0: &k0 [1]\n" + laughs)
 
 
-@given("lists three thousand deep")
+@input_case("lists three thousand deep")
 def _(folder):
     return study(folder, "kind: " + 3000 * "[" + 3000 * "]")
 
 
-@given("a case named like an option")
+@input_case("a case named like an option")
 def _(folder):
     return study(folder, name="cases/--help.yaml")
 
 
-@given("a case named with a blank and a semicolon")
+@input_case("a case named with a blank and a semicolon")
 def _(folder):
     return study(folder, name="cases/one; reboot.yaml")
 
 
-@given("a case that ends in .yml")
+@input_case("a case that ends in .yml")
 def _(folder):
     return study(folder, name="cases/one.yml")
 
 
-@given("a cohort of a case that is not there")
+@input_case("a cohort of a case that is not there")
 def _(folder):
     return edited(folder, "[one]", "[one, two]", "study.yaml")
 
 
-@given("a study without cohorts")
+@input_case("a study without cohorts")
 def _(folder):
     return edited(folder, "cohorts:\n  quick: [one]", "flow: {}", "study.yaml")
 
 
-@given("a study that is a link to nothing")
+@input_case("a study that is a link to nothing")
 def _(folder):
     command = study(folder)
     (folder / "config" / "study.yaml").unlink()
@@ -140,44 +140,44 @@ def _(folder):
     return command
 
 
-@given("a folder without a configuration")
+@input_case("a folder without a configuration")
 def _(folder):
     return module("workflow", "validate", "--folder", folder)
 
 
-@given("a balloon's chart that is not 100 % at nominal")
+@input_case("a balloon's chart that is not 100 % at nominal")
 def _(folder):
     return edited(folder, "nominal_pressure_bar: 8", "nominal_pressure_bar: 7", "devices/semi_compliant.yaml")
 
 
-@given("a balloon's chart of columns of two lengths")
+@input_case("a balloon's chart of columns of two lengths")
 def _(folder):
     return edited(
         folder, "[2, 4, 6, 8, 10, 12, 14, 16, 18]", "[2, 4, 6, 8, 10, 12, 14, 16]", "devices/semi_compliant.yaml"
     )
 
 
-@given("a balloon's chart that falls")
+@input_case("a balloon's chart that falls")
 def _(folder):
     return edited(folder, "92.0, 95.2", "95.2, 92.0", "devices/semi_compliant.yaml")
 
 
-@given("a balloon that is wider crimped than open")
+@input_case("a balloon that is wider crimped than open")
 def _(folder):
     return edited(folder, "crimped_diameter_mm: 0.85", "crimped_diameter_mm: 1.9", "devices/semi_compliant.yaml")
 
 
-@given("a stent whose delivery balloon is no balloon")
+@input_case("a stent whose delivery balloon is no balloon")
 def _(folder):
     return edited(folder, "delivery_balloon: des_balloon", "delivery_balloon: des", "devices/des.yaml")
 
 
-@given("a device of no kind")
+@input_case("a device of no kind")
 def _(folder):
     return edited(folder, "kind: balloon", "kind: laser", "devices/semi_compliant.yaml")
 
 
-@given("a lumen given in two ways")
+@input_case("a lumen given in two ways")
 def _(folder):
     return study(
         folder,
@@ -185,37 +185,37 @@ def _(folder):
     )
 
 
-@given("a label of nothing")
+@input_case("a label of nothing")
 def _(folder):
     return study(folder, SURFACE.replace("units: mm", "units: mm, label: 0"))
 
 
-@given("a point of two coordinates")
+@input_case("a point of two coordinates")
 def _(folder):
     return study(folder, SURFACE.replace("units: mm", "units: mm, inlet_point_mm: [1, 2]"))
 
 
-@given("a vessel to generate and a surface at once")
+@input_case("a vessel to generate and a surface at once")
 def _(folder):
     return study(folder, SURFACE + "vessel: {seed: 1}\n")
 
 
-@given("a measured FFR without a place")
+@input_case("a measured FFR without a place")
 def _(folder):
     return study(folder, SURFACE + "measured: {ffr_pre: 0.8}\n")
 
 
-@given("a measured FFR in percent")
+@input_case("a measured FFR in percent")
 def _(folder):
     return study(folder, SURFACE + "measured: {ffr_pre: 80, probe: {branch: main, s_mm: 10}}\n")
 
 
-@given("a cardiac output for a single artery that is not named")
+@input_case("a cardiac output for a single artery that is not named")
 def _(folder):
     return study(folder, SURFACE.replace("lvm_g: 130", "cardiac_output_l_per_min: 5"))
 
 
-@given("a measured inflow in mL/s")
+@input_case("a measured inflow in mL/s")
 def _(folder):
     return study(folder, SURFACE.replace("lvm_g: 130", "hyperaemic_inflow_ml_per_min: 2.3"))
 
@@ -242,35 +242,35 @@ for one, (before, after) in ALLOWED.items():
     make(one, before, after)
 
 
-@given("a case file with a byte-order mark")
+@input_case("a case file with a byte-order mark")
 def _(folder):
     return study(folder, ("\ufeff" + SURFACE).encode())
 
 
-@given("a case file with lines that end as on Windows")
+@input_case("a case file with lines that end as on Windows")
 def _(folder):
     return study(folder, SURFACE.replace("\n", "\r\n"))
 
 
-@given("a case file that is a link")
+@input_case("a case file that is a link")
 def _(folder):
     command = study(folder, SURFACE, name="mine.yaml")
     (folder / "config" / CASE).symlink_to(folder / "config" / "mine.yaml")
     return command
 
 
-@given("a case file in the form of JSON")
+@input_case("a case file in the form of JSON")
 def _(folder):
     patient = '{"lvm_g": 130, "sbp_mmhg": 125, "dbp_mmhg": 78}'
     lumen = '{"path": "data/a b.stl", "units": "mm"}'
     return study(folder, f'{{"kind": "surface", "description": "\\u00e9", "patient": {patient}, "lumen": {lumen}}}')
 
 
-@given("a path with blanks and quotes")
+@input_case("a path with blanks and quotes")
 def _(folder):
     return study(folder, SURFACE.replace("data/vessel.stl", '"/data/it\'s a vessel; 1.stl"'))
 
 
-@given("a study of one case in two cohorts")
+@input_case("a study of one case in two cohorts")
 def _(folder):
     return edited(folder, "quick: [one]", "quick: [one]\n  again: [one]", "study.yaml")

@@ -1,21 +1,21 @@
-// A path (here called way) through the inscribed balls, and the direction of the vessel along it.
+// A path through the inscribed balls, and the direction of the vessel along it.
 #pragma once
 #include "centreline/inner_balls.hpp"
 
 namespace anatomy {
 
-/// The cheapest path from one ball back to the ball at which all `ways` start. Its points are the balls' centres, and
-/// `s` is the arc length along them.
-struct BallWay {
+/// The cheapest path from one ball back to the ball at which all `cheapest` paths start. Its points are the centres of
+/// the balls, and `s` is the arc length along them.
+struct BallPath {
   std::vector<std::size_t> balls; ///< indices of the balls on the path
   std::vector<Vec3> points;       ///< mm
   std::vector<double> radius, s;  ///< mm, of each ball; mm from the first point
 
-  BallWay() = default;
-  BallWay(const Balls& balls, const Ways& ways, std::size_t ball);
+  BallPath() = default;
+  BallPath(const Balls& balls, const ShortestPaths& cheapest, std::size_t ball);
   double length() const { return s.back(); }
   /// Index of the first point whose arc length is at least `where` (mm), or of the last point.
-  std::size_t at(double where) const;
+  std::size_t index_at(double where) const;
   /// Mean (mm) of the balls' centres within a quarter of a radius of `where` (mm), since single centres scatter about
   /// the axis.
   Vec3 centre(double where) const;
@@ -24,6 +24,6 @@ struct BallWay {
 /// Unit direction of the vessel at `where` (mm) on the path. It is the direction most nearly perpendicular to the
 /// wall's normals round that place. The path's own direction would scatter by more than a degree, as the balls' centres
 /// do. The path's direction is used only where the two differ by more than 30 degrees, as where a side branch leaves.
-Vec3 direction_of(const Mesh& mesh, const BallWay& way, double where);
+Vec3 vessel_direction(const Mesh& mesh, const BallPath& path, double where);
 
 } // namespace anatomy

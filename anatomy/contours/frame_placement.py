@@ -9,8 +9,10 @@ from common.errors import InputError
 from . import rings
 from .reading.outlines import centroid
 
-FARTHEST_MM = 3.0  # largest disagreement of landmarks along the line: a frame is picked to within 2 or 3 mm
-NEAREST_MM = 0.2  # least distance of a landmark from the axis; nearer, an error of half a voxel is a right angle
+LARGEST_DISAGREEMENT_MM = 3.0  # largest disagreement of landmarks along the line: a frame is picked to within 2 or 3 mm
+LEAST_AXIS_DISTANCE_MM = (
+    0.2  # least distance of a landmark from the axis; nearer, an error of half a voxel is a right angle
+)
 FARTHEST_RADII = 3.0  # lumen radii from the lumen's centre to a landmark at most: wall, branch's mouth, ostium's rim
 # Turn of a landmark from the landmarks' mean above which a warning is given. A side branch's mouth is marked to about
 # 0.4 mm, which is 15 degrees on the wall of a lumen 3 mm wide. The catheter's own turn has a standard deviation of
@@ -20,15 +22,16 @@ LARGEST_TURN_DEG = 45.0  # largest turn of a landmark from the mean; beyond, tab
 
 
 @dataclass
-class Placing:
+class FramePlacement:
     """How frames are placed in space.
 
-    map: function of z_mm (k,) and points (k, n, 2) in the planes of the frames at these z, in mm. It returns the points
-    (k, n, 3) in space, in mm. how: the axis used, in words. report: {name: number} for contours.json.
+    to_space: function of z_mm (k,) and points (k, n, 2) in the planes of the frames at these z, in mm. It returns the
+    points (k, n, 3) in space, in mm. axis_description: the axis used, in words. report: {name: number} for
+    contours.json.
     """
 
-    map: object
-    how: str
+    to_space: object
+    axis_description: str
     report: dict = field(default_factory=dict)
 
 
@@ -46,29 +49,29 @@ def centres(frames, on_outer_wall):
     away = np.array(
         [centroid(rings.smooth(f.outer_wall)) - c for f, c in zip(frames, lumen) if f.outer_wall is not None]
     )
-    return lumen + rings.between(z[traced], away)(z)
+    return lumen + rings.interpolator(z[traced], away)(z)
 
 
-def straight(pullback):
-    """Placing along the tables' own z axis, with x and y as in the image.
+def straight_placement(pullback):
+    """FramePlacement along the tables' own z axis, with x and y as in the image.
 
     The axis runs through the centroid of each frame's outer wall, or of its lumen if no outer wall is known. Images are
     centred on the catheter instead, but its path through the vessel is unknown without a centreline.
     """
-    centre = rings.between(pullback.z_mm, centres(pullback.frames, on_outer_wall=True))
+    centre = rings.interpolator(pullback.z_mm, centres(pullback.frames, on_outer_wall=True))
 
-    def lay(z_mm, points):
+    def place_points(z_mm, points):
         across = points - centre(z_mm)[:, None]
         of_tables = np.broadcast_to(pullback.sign * z_mm[:, None, None], across.shape[:2] + (1,))
         return np.concatenate([across, of_tables], axis=2)
 
     known = any(frame.outer_wall is not None for frame in pullback.frames)
     on = "outer wall's centre" if known else "lumen's centre"
-    return Placing(lay, f"straight axis through the {on}")
+    return FramePlacement(place_points, f"straight axis through the {on}")
 
 
-def on_line(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_deg=0.0, mirrored=False):
-    """Placing on a Line: the lumen's centroids lie on the line, the frames' planes across it, z runs along it.
+def centreline_placement(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_deg=0.0, mirrored=False):
+    """FramePlacement on a Line: the lumen's centroids lie on the line, the frames' planes across it, z runs along it.
 
     landmark_points_mm: [(3,)], where the pull-back's landmarks lie in the line's space. They give the place along the
     line and the turn about it. Without them proximal_s_mm (default 0) is the arc length of the proximal frame on the
@@ -77,11 +80,11 @@ def on_line(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_
     short, if landmarks contradict each other, or if one is on the line or far from it.
     """
     z = pullback.z_mm
-    centre = rings.between(z, centres(pullback.frames, on_outer_wall=False))
+    centre = rings.interpolator(z, centres(pullback.frames, on_outer_wall=False))
     flip = np.array([1.0, -pullback.sign if mirrored else pullback.sign])  # makes x, y and the frames' z right-handed
     report = {}
     if len(landmark_points_mm):
-        shift, turn, report = _by_landmarks(pullback, line, np.asarray(landmark_points_mm, float), centre, flip)
+        shift, turn, report = _align_landmarks(pullback, line, np.asarray(landmark_points_mm, float), centre, flip)
     else:
         shift, turn = z[-1] + (proximal_s_mm or 0.0), np.radians(rotation_deg)
     first, last = shift - z[-1], shift - z[0]
@@ -93,19 +96,21 @@ def on_line(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_
         remedy += " or give a longer line"
         raise InputError("the pull-back reaches beyond its centreline", "centreline", value, remedy)
 
-    def lay(z_mm, points):
+    def place_points(z_mm, points):
         across = (points - centre(z_mm)[:, None]) * flip
-        place, tangent, one, two = line.place(np.clip(shift - z_mm, 0, line.length_mm))
-        x, y = _axes(one, two, turn)
+        place, tangent, one, two = line.frame_at(np.clip(shift - z_mm, 0, line.length_mm))
+        x, y = _image_axes(one, two, turn)
         return place[:, None] + across[..., :1] * x[:, None] + across[..., 1:] * y[:, None]
 
     report.update({"distal_s_mm": last, "proximal_s_mm": first, "rotation_deg": float(np.degrees(turn))})
-    return Placing(lay, "centreline" + (", by landmarks" if len(landmark_points_mm) else ", least twist"), report)
+    return FramePlacement(
+        place_points, "centreline" + (", by landmarks" if len(landmark_points_mm) else ", least twist"), report
+    )
 
 
-def warnings(place):
-    """Yields a warning if a Placing's landmarks disagree about the turn by more than the usual error of marking."""
-    off = place.report.get("landmarks_differ_deg", 0.0)
+def warnings(placement):
+    """Yields a warning if the landmarks disagree about the turn by more than the usual error of marking."""
+    off = placement.report.get("landmarks_differ_deg", 0.0)
     if off > USUAL_TURN_DEG:
         yield (
             f"the landmarks differ by {off:.0f} degrees about the centreline from their mean, {USUAL_TURN_DEG:g} are"
@@ -114,7 +119,7 @@ def warnings(place):
         )
 
 
-def _axes(one, two, turn):
+def _image_axes(one, two, turn):
     """Directions of the image's x and y, each (k, 3), for the line's vectors `one`, `two` (k, 3) and a turn in radians.
 
     With z they are right-handed: z points against the tangent, towards the proximal end.
@@ -124,7 +129,7 @@ def _axes(one, two, turn):
     return x, y
 
 
-def _by_landmarks(pullback, line, points, centre, flip):
+def _align_landmarks(pullback, line, points, centre, flip):
     """(shift, turn, report) from the pull-back's landmarks and their places `points` (m, 3) in space.
 
     shift: arc length on the line plus z, in mm, which is the same for all frames. turn: of the images about the line,
@@ -149,41 +154,44 @@ def _by_landmarks(pullback, line, points, centre, flip):
     sums = nearest + z
     shift = float(sums.mean())
     across = (np.array([mark[1] for mark in pullback.landmarks]) - centre(z)) * flip
-    _check_far(pullback, z, "landmarks", np.linalg.norm(across, axis=1))
-    _check_far(pullback, z, "landmark_points_mm", np.linalg.norm(points - line.place(nearest)[0], axis=1))
-    place, tangent, one, two = line.place(np.clip(shift - z, 0, line.length_mm))
+    _check_landmark_distance(pullback, z, "landmarks", np.linalg.norm(across, axis=1))
+    _check_landmark_distance(
+        pullback, z, "landmark_points_mm", np.linalg.norm(points - line.frame_at(nearest)[0], axis=1)
+    )
+    place, tangent, one, two = line.frame_at(np.clip(shift - z, 0, line.length_mm))
     away = points - place
     u, v = (away * one).sum(axis=1), (away * two).sum(axis=1)
     for where, distance in (("landmark_points_mm", np.hypot(u, v)), ("landmarks", np.linalg.norm(across, axis=1))):
-        if distance.min() < NEAREST_MM:
+        if distance.min() < LEAST_AXIS_DISTANCE_MM:
             value = f"landmark {distance.argmin() + 1}, {distance.min():.2f} mm from it"
-            remedy = f"a place on the wall or in a branch's mouth, {NEAREST_MM} mm or more from the lumen's centre"
+            remedy = f"a place on the wall or in a branch's mouth, {LEAST_AXIS_DISTANCE_MM} mm or more from the lumen's"
+            remedy += " centre"
             raise InputError("a landmark on the axis tells no rotation", where, value, remedy)
-    # _axes() puts a point at the image's angle a at the angle -a - turn in the plane of `one` and `two`
+    # _image_axes() puts a point at the image's angle a at the angle -a - turn in the plane of `one` and `two`
     angles = -np.arctan2(v, u) - np.arctan2(across[:, 1], across[:, 0])
     turn = float(np.angle(np.exp(1j * angles).mean()))
     off = np.abs(np.degrees(np.angle(np.exp(1j * (angles - turn)))))
     along = np.abs(sums - shift)
     report = {"landmarks_differ_mm": float(along.max()), "landmarks_differ_deg": float(off.max())}
-    if along.max() > FARTHEST_MM or off.max() > LARGEST_TURN_DEG:
+    if along.max() > LARGEST_DISAGREEMENT_MM or off.max() > LARGEST_TURN_DEG:
         value = (
             f"landmark {along.argmax() + 1} lies {along.max():.1f} mm off along the line,"
             f" landmark {off.argmax() + 1} {off.max():.0f} degrees about it"
         )
-        limits = f"at most {FARTHEST_MM:g} mm and {LARGEST_TURN_DEG:g} degrees"
+        limits = f"at most {LARGEST_DISAGREEMENT_MM:g} mm and {LARGEST_TURN_DEG:g} degrees"
         remedy = f"{limits}: check the points' order, mirrored (true if x, y, z are left-handed), and which line it is"
         raise InputError("landmarks contradict each other", "landmark_points_mm", value, remedy)
     return shift, turn, report
 
 
-def _check_far(pullback, z, where, distance):
+def _check_landmark_distance(pullback, z, where, distance):
     """Raises InputError if a landmark is more than FARTHEST_RADII radii from the lumen's centre.
 
     distance: (m,) of the landmarks from the centre, in mm. The radius is the median of the frames', or that at the
     landmark's z (m,) if it is larger. where: the setting at fault, for the message.
     """
     radii = np.sqrt([rings.area_mm2(frame.lumen) / np.pi for frame in pullback.frames])
-    radius = np.maximum(rings.between(pullback.z_mm, radii)(z), np.median(radii))
+    radius = np.maximum(rings.interpolator(pullback.z_mm, radii)(z), np.median(radii))
     k = int((distance / radius).argmax())
     if distance[k] > FARTHEST_RADII * radius[k]:
         value = f"landmark {k + 1}, {distance[k]:.1f} mm from the lumen's centre, whose radius is {radius[k]:.2f} mm"

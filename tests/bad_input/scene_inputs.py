@@ -3,7 +3,7 @@
 import json
 
 from common import vtp
-from given import BUILD, given
+from input_cases import BUILD, input_case
 from vci.benchmarks import scenes
 
 TUBE = scenes.Tube(length=16, edge=1.2, lesion_length=6)
@@ -59,57 +59,57 @@ CHANGES = {
 
 
 def make(name, change):
-    given(name)(lambda folder: scene(folder, change))
+    input_case(name)(lambda folder: scene(folder, change))
 
 
 for one, its_change in CHANGES.items():
     make(one, its_change)
 
 
-@given("the lumen of another vessel as the coarse lumen")
+@input_case("the lumen of another vessel as the coarse lumen")
 def other_vessel(folder):
     """A vessel that bends away from the scene's straight one."""
     scenes.write_geometry(folder / "other", scenes.Tube(length=16, edge=1.2, lesion_length=6, curvature=0.1))
     return scene(folder, setting("coarse_lumen", value="../other/lumen.vtp"))
 
 
-@given("a scene that is not there")
+@input_case("a scene that is not there")
 def _(folder):
     return [BUILD / "vci", "deploy", folder / "scene.json", "--out", folder / "out"]
 
 
-@given("a scene that was cut off")
+@input_case("a scene that was cut off")
 def _(folder):
     return scene(folder, text=lambda whole: whole[:200])
 
 
-@given("a scene with NaN")
+@input_case("a scene with NaN")
 def _(folder):
     return scene(folder, text=lambda whole: whole.replace('"pressure_bar": 10', '"pressure_bar": NaN', 1))
 
 
-@given("a scene with a key given twice")
+@input_case("a scene with a key given twice")
 def _(folder):
     return scene(folder, text=lambda whole: whole.replace('"schema"', '"schema": "vci-scene-1", "schema"', 1))
 
 
-@given("a scene a hundred thousand lists deep")
+@input_case("a scene a hundred thousand lists deep")
 def _(folder):
     return scene(folder, text=lambda whole: 100000 * "[" + 100000 * "]")
 
 
-@given("results in the place of the scene's own lumen")
+@input_case("results in the place of the scene's own lumen")
 def _(folder):
     return scene(folder, out="case")
 
 
-@given("results below a file")
+@input_case("results below a file")
 def _(folder):
     (folder / "mine").write_text("mine")
     return scene(folder, out="mine/out")
 
 
-@given("a lumen whose radii are missing")
+@input_case("a lumen whose radii are missing")
 def _(folder):
     command = scene(folder)
     lumen = vtp.read(folder / "case" / "lumen.vtp", "")
@@ -118,15 +118,15 @@ def _(folder):
     return command
 
 
-@given("a lumen without its regions")
+@input_case("a lumen without its regions")
 def _(folder):
     command = scene(folder)
-    points, triangles = vtp.arrays(vtp.read(folder / "case" / "lumen.vtp", ""))
+    points, triangles = vtp.points_and_triangles(vtp.read(folder / "case" / "lumen.vtp", ""))
     vtp.write(folder / "case" / "lumen.vtp", vtp.surface(points, triangles))
     return command
 
 
-@given("a lumen of another vessel than the centreline's")
+@input_case("a lumen of another vessel than the centreline's")
 def _(folder):
     command = scene(folder)
     lumen = vtp.read(folder / "case" / "lumen.vtp", "")
@@ -137,7 +137,7 @@ def _(folder):
     return command
 
 
-@given("a step with a name of blanks and an umlaut")
+@input_case("a step with a name of blanks and an umlaut")
 def _(folder):
     return scene(folder, setting("procedure", 0, "name", value="Vordehnung für 1 und 2"))
 
@@ -145,22 +145,22 @@ def _(folder):
 # unusual, but done
 
 
-@given("a scene in a folder with blanks, quotes and an umlaut")
+@input_case("a scene in a folder with blanks, quotes and an umlaut")
 def _(folder):
     (folder / "Fall 'ä' $1").mkdir()
     return scene(folder / "Fall 'ä' $1", command="radius-correct")
 
 
-@given("a scene of one balloon alone")
+@input_case("a scene of one balloon alone")
 def _(folder):
     return scene(folder, lambda document: document.update(procedure=document["procedure"][:1]), "radius-correct")
 
 
-@given("a scene whose lumen is an absolute path")
+@input_case("a scene whose lumen is an absolute path")
 def _(folder):
     return scene(folder, setting("lumen", value=str((folder / "case" / "lumen.vtp").resolve())), "radius-correct")
 
 
-@given("a scene with a byte-order mark and Windows line ends")
+@input_case("a scene with a byte-order mark and Windows line ends")
 def _(folder):
     return scene(folder, command="radius-correct", text=lambda whole: "\ufeff" + whole.replace("\n", "\r\n"))

@@ -1,4 +1,4 @@
-// Cheapest paths (here called ways) from one node of a graph to all others, by Dijkstra's algorithm (Boost.Graph).
+// Cheapest paths from one node of a graph to all others, by Dijkstra's algorithm (Boost.Graph).
 #pragma once
 #include <boost/graph/compressed_sparse_row_graph.hpp>
 #include <vector>
@@ -8,21 +8,21 @@ namespace anatomy {
 constexpr double unreached = 1e300; ///< cost of a node that no path reaches
 
 /// The cheapest paths from one start node to all nodes.
-struct Ways {
+struct ShortestPaths {
   std::vector<double> cost; ///< of the cheapest path to each node; `unreached` if there is none
   /// the previous node on the path to each node; the node itself at the start and if unreached.
-  std::vector<std::size_t> before;
+  std::vector<std::size_t> previous;
 };
 
 /// A graph whose edges have costs.
-class WayGraph {
+class CostGraph {
 public:
   using Link = std::pair<std::size_t, std::size_t>;
 
   /// `nodes` is the number of nodes. `links` lists both directions of an edge separately. `costs` has a value for each
   /// link, at least 0.
-  WayGraph(std::size_t nodes, const std::vector<Link>& links, const std::vector<double>& costs);
-  Ways from(std::size_t start) const;
+  CostGraph(std::size_t nodes, const std::vector<Link>& links, const std::vector<double>& costs);
+  ShortestPaths from(std::size_t start) const;
 
 private:
   struct Cost {

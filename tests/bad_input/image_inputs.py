@@ -8,7 +8,7 @@ import masks
 import nibabel
 import numpy as np
 
-from given import given, lumen, module
+from input_cases import input_case, lumen, module
 
 MATRIX = masks.affine([0.5] * 3)
 
@@ -32,42 +32,42 @@ def changed(path, old, new):
     return path
 
 
-@given("a mask without a label")
+@input_case("a mask without a label")
 def _(folder):
     return lumen("check", mask(folder / "mask.nii", 0 * labels_of_a_tube()))
 
 
-@given("a mask of two structures")
+@input_case("a mask of two structures")
 def _(folder):
     labels = labels_of_a_tube()
     labels[:, :3] = 7
     return lumen("check", mask(folder / "mask.nii", labels))
 
 
-@given("a label that the mask does not have")
+@input_case("a label that the mask does not have")
 def _(folder):
     return lumen("check", mask(folder / "mask.nii"), "--label", "4")
 
 
-@given("the CT itself in place of its mask")
+@input_case("the CT itself in place of its mask")
 def _(folder):
     labels = labels_of_a_tube()
     return lumen("check", mask(folder / "mask.nii", 400 * labels - np.arange(labels.size).reshape(labels.shape) % 90))
 
 
-@given("a mask whose background is the label")
+@input_case("a mask whose background is the label")
 def _(folder):
     return lumen("check", mask(folder / "mask.nii", 1 - labels_of_a_tube(radius=0.8)))
 
 
-@given("NIfTI that promises more voxels than it holds")
+@input_case("NIfTI that promises more voxels than it holds")
 def _(folder):
     whole = mask(folder / "mask.nii").read_bytes()
     (folder / "mask.nii").write_bytes(whole[:-400])
     return lumen("check", folder / "mask.nii")
 
 
-@given("NIfTI of 32767 voxels each way in 300 bytes")
+@input_case("NIfTI of 32767 voxels each way in 300 bytes")
 def _(folder):
     whole = bytearray(mask(folder / "mask.nii").read_bytes()[:400])
     whole[42:48] = 3 * b"\xff\x7f"
@@ -85,51 +85,51 @@ def compressed(folder, damage=lambda packed: packed):
     return path
 
 
-@given("a compressed MetaImage with damaged voxels")
+@input_case("a compressed MetaImage with damaged voxels")
 def _(folder):
     return lumen("check", compressed(folder, lambda packed: b"\0" + packed[1:]))
 
 
-@given("a compressed MetaImage that was cut off")
+@input_case("a compressed MetaImage that was cut off")
 def _(folder):
     return lumen("check", compressed(folder, lambda packed: packed[:-40]))
 
 
-@given("a compressed MetaImage")
+@input_case("a compressed MetaImage")
 def _(folder):
     return lumen("process", compressed(folder))
 
 
-@given("a gzip bomb in place of a mask")
+@input_case("a gzip bomb in place of a mask")
 def _(folder):
     (folder / "mask.nii.gz").write_bytes(gzip.compress(bytes(300_000_000), 9))
     return lumen("check", folder / "mask.nii.gz")
 
 
-@given("NIfTI with four dimensions, a film")
+@input_case("NIfTI with four dimensions, a film")
 def _(folder):
     film = np.stack([labels_of_a_tube()] * 2, axis=-1).astype(np.int16)
     nibabel.save(nibabel.Nifti1Image(film, MATRIX), folder / "mask.nii")
     return lumen("check", folder / "mask.nii")
 
 
-@given("NRRD whose voxels have no size")
+@input_case("NRRD whose voxels have no size")
 def _(folder):
     return lumen("check", changed(mask(folder / "mask.nrrd"), b"(0.5,0,0)", b"(0,0,0)"))
 
 
-@given("NRRD whose voxels have a size that is not a number")
+@input_case("NRRD whose voxels have a size that is not a number")
 def _(folder):
     return lumen("check", changed(mask(folder / "mask.nrrd"), b"(0.5,0,0)", b"(nan,0,0)"))
 
 
-@given("NRRD that takes its voxels from the system's files")
+@input_case("NRRD that takes its voxels from the system's files")
 def _(folder):
     path = changed(mask(folder / "mask.nrrd"), b"encoding: raw\n", b"encoding: raw\ndata file: /etc/passwd\n")
     return lumen("check", path)
 
 
-@given("NRRD that takes its voxels from a device without end")
+@input_case("NRRD that takes its voxels from a device without end")
 def _(folder):
     path = changed(mask(folder / "mask.nrrd"), b"encoding: raw\n", b"encoding: raw\ndata file: /dev/zero\n")
     return lumen("check", path)
@@ -149,37 +149,37 @@ def as_text(folder, kind, beside):
     return folder / ("mask.nhdr" if beside else "mask.nrrd")
 
 
-@given("NRRD with labels as text behind the header")
+@input_case("NRRD with labels as text behind the header")
 def _(folder):
     return lumen("check", as_text(folder, "short", beside=False))
 
 
-@given("NRRD with labels of one byte as text in a file of their own")
+@input_case("NRRD with labels of one byte as text in a file of their own")
 def _(folder):
     return lumen("check", as_text(folder, "uchar", beside=True))
 
 
-@given("MetaImage whose voxels are in a file that is gone")
+@input_case("MetaImage whose voxels are in a file that is gone")
 def _(folder):
     head = mask(folder / "mask.mha").read_bytes().split(b"LOCAL\n")[0]
     (folder / "mask.mhd").write_bytes(head + b"gone.raw\n")
     return lumen("check", folder / "mask.mhd")
 
 
-@given("MetaImage of two dimensions")
+@input_case("MetaImage of two dimensions")
 def _(folder):
     path = changed(mask(folder / "mask.mha"), b"NDims = 3", b"NDims = 2")
     return lumen("check", path)
 
 
-@given("a lumen of one voxel")
+@input_case("a lumen of one voxel")
 def _(folder):
     labels = np.zeros((40, 18, 18), int)
     labels[:, 9, 9] = 1
     return lumen("check", mask(folder / "mask.nii", labels))
 
 
-@given("a mask in metres declared as millimetres")
+@input_case("a mask in metres declared as millimetres")
 def _(folder):
     return lumen("check", mask(folder / "mask.nrrd", matrix=np.diag([1e-3, 1e-3, 1e-3, 1]) @ MATRIX))
 
@@ -199,79 +199,79 @@ def ct(folder, path, inlet=(5, 7, 7), outlets=((18, 7, 7),), more=()):
     return module("anatomy", "ct", path, *ends, *more, "--out", folder / "out")
 
 
-@given("a CT volume that is not there")
+@input_case("a CT volume that is not there")
 def _(folder):
     return ct(folder, folder / "ct.nii")
 
 
-@given("a text file in place of a CT volume")
+@input_case("a text file in place of a CT volume")
 def _(folder):
     (folder / "ct.nii").write_text("not a volume\n" * 60)
     return ct(folder, folder / "ct.nii")
 
 
-@given("a CT volume that was cut off")
+@input_case("a CT volume that was cut off")
 def _(folder):
     whole = volume(folder / "ct.nii.gz").read_bytes()
     (folder / "ct.nii.gz").write_bytes(whole[: len(whole) // 2])
     return ct(folder, folder / "ct.nii.gz")
 
 
-@given("a folder without DICOM files")
+@input_case("a folder without DICOM files")
 def _(folder):
     (folder / "series").mkdir()
     (folder / "series" / "readme.txt").write_text("the images are elsewhere")
     return ct(folder, folder / "series")
 
 
-@given("a CT inlet outside the volume")
+@input_case("a CT inlet outside the volume")
 def _(folder):
     return ct(folder, volume(folder / "ct.nii"), inlet=(-5, 7, 7))
 
 
-@given("a CT inlet in the fat")
+@input_case("a CT inlet in the fat")
 def _(folder):
     return ct(folder, volume(folder / "ct.nii"), inlet=(5, 2, 12))
 
 
-@given("CT points of DICOM's convention with NIfTI")
+@input_case("CT points of DICOM's convention with NIfTI")
 def _(folder):
     path = volume(folder / "ct.nii", affine=masks.affine([0.5] * 3, origin=(-10.0, -5.0, 0.0)))
     return ct(folder, path, inlet=(5, -2, 7), outlets=((-8, -2, 7),))
 
 
-@given("a CT vessel of one end")
+@input_case("a CT vessel of one end")
 def _(folder):
     return ct(folder, volume(folder / "ct.nii"), outlets=())
 
 
-@given("a CT vessel whose ends are one point")
+@input_case("a CT vessel whose ends are one point")
 def _(folder):
     return ct(folder, volume(folder / "ct.nii"), outlets=((5, 7, 7),))
 
 
-@given("a CT without contrast")
+@input_case("a CT without contrast")
 def _(folder):
     return ct(folder, volume(folder / "ct.nii", blood=-70))
 
 
-@given("a CT whose rescale intercept is lost")
+@input_case("a CT whose rescale intercept is lost")
 def _(folder):
     return ct(folder, volume(folder / "ct.nii", blood=1424, fat=944))
 
 
-@given("a CT of magnetic resonance's kind, floats that are not finite")
+@input_case("a CT of magnetic resonance's kind, floats that are not finite")
 def _(folder):
     return ct(folder, volume(folder / "ct.nii", blood=np.nan, dtype=np.float32))
 
 
-@given("CT settings with a key of another section")
+@input_case("CT settings with a key of another section")
 def _(folder):
     (folder / "ct.yaml").write_text("segmentation: {rings: 3}\n")
     return ct(folder, volume(folder / "ct.nii"), more=["--settings", folder / "ct.yaml"])
 
 
-@given("CT end points that are text")
+@input_case("CT end points that are text")
 def _(folder):
     (folder / "ends.json").write_text(json.dumps({"ends": [{"centre_mm": "5, 7, 7"}, {"centre_mm": "18, 7, 7"}]}))
     return module("anatomy", "ct", volume(folder / "ct.nii"), "--ends", folder / "ends.json", "--out", folder / "out")
@@ -280,45 +280,45 @@ def _(folder):
 # unusual, but lumens
 
 
-@given("a mask with blanks and an umlaut in its name")
+@input_case("a mask with blanks and an umlaut in its name")
 def _(folder):
     return lumen("process", mask(folder / "Gefäß 1.nii.gz"))
 
 
-@given("a label of 2000 as segmentation programs number them")
+@input_case("a label of 2000 as segmentation programs number them")
 def _(folder):
     return lumen("process", mask(folder / "mask.nrrd", 2000 * labels_of_a_tube()))
 
 
-@given("a mask of a left-handed frame")
+@input_case("a mask of a left-handed frame")
 def _(folder):
     return lumen("process", mask(folder / "mask.nii", matrix=np.diag([-1, 1, 1, 1]) @ MATRIX))
 
 
-@given("NRRD with labels as text in a file of their own")
+@input_case("NRRD with labels as text in a file of their own")
 def _(folder):
     return lumen("process", as_text(folder, "short", beside=True))
 
 
-@given("a mask with an island beside the vessel")
+@input_case("a mask with an island beside the vessel")
 def _(folder):
     labels = labels_of_a_tube()
     labels[20:22, 1:3, 1:3] = 1
     return lumen("process", mask(folder / "mask.mha", labels))
 
 
-@given("a mask in metres, so declared")
+@input_case("a mask in metres, so declared")
 def _(folder):
     path = mask(folder / "mask.nrrd", matrix=np.diag([1e-3, 1e-3, 1e-3, 1]) @ MATRIX)
     return lumen("process", path, "--units", "m")
 
 
-@given("a CT volume of floats")
+@input_case("a CT volume of floats")
 def _(folder):
     return ct(folder, volume(folder / "ct.nii.gz", dtype=np.float32))
 
 
-@given("a CT volume that lies far from the origin")
+@input_case("a CT volume that lies far from the origin")
 def _(folder):
     matrix = masks.affine([0.5] * 3, origin=(-120.0, 80.0, 900.0))
     return ct(folder, volume(folder / "ct.nii", affine=matrix), (-115, 87, 907), ((-102, 87, 907),))

@@ -9,14 +9,14 @@ from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 
 from flow.discretisation import compat, spaces
-from flow.errors.error_field import carried, places, residual_of, stretches
+from flow.errors.error_field import interpolate_state, dof_points, richer_residual, stretch_numbers
 from flow.errors.recovery import Patches
 from flow.physics.units import M_PER_MM
 
 
-def of(solved, document, tree):
+def error_parts(solved, document, tree):
     """Estimated parts (p, k) of FFR's error at each of the document's p probes, computed minus true, by the k stretches
-    of the tree that they arise in; their sum estimates the error. solved: solvers.solved_mesh.Solved."""
+    of the tree that they arise in; their sum estimates the error. solved: solvers.solved_mesh.SolvedMesh."""
     problem, space = solved.problem, solved.space
     points = [tuple(probe["point_mm"]) for probe in document["probes"]]
     probes = {point: probe for point, probe in zip(points, document["probes"])}  # some share a place
@@ -25,21 +25,21 @@ def of(solved, document, tree):
         goal = _goal(problem, document, tree, probe)
         duals.append(dual(problem, goal))
         goal.destroy()
-    richer = spaces.LumenSpace(space.mesh, space.facets, degree=space.degree + 1)
+    richer = spaces.LumenSpace(space.mesh, space.facet_tags, degree=space.degree + 1)
     weights = _recovered(space, richer, duals)
-    held = np.concatenate([richer.wall, richer.inlet])
+    held = np.concatenate([richer.wall_dofs, richer.inlet_dofs])
     weights[:, held] = 0.0
-    loads = residual_of(problem, richer, document)
+    loads = richer_residual(problem, richer, document)
     parts = loads.array * weights
     loads.destroy()
-    stretch = stretches(tree)[tree.nearest(places(richer) / M_PER_MM)[0]]
+    stretch = stretch_numbers(tree)[tree.nearest(dof_points(richer) / M_PER_MM)[0]]
     found = dict(zip(probes, (np.bincount(stretch, one) for one in parts)))
     return np.array([found[point] for point in points])
 
 
 def dual(problem, goal):
     """Values (n,) over W of z with K^T z = goal; K: the last tangent of `problem`, goal: vector over W."""
-    if problem.bordered is None or problem.linearised_as != (True, problem.artificial):
+    if problem.bordered is None or problem.linearised_as != (True, problem.artificial_viscosity):
         problem.linearise(problem.forms.tangent)
     bordered, space = problem.bordered, problem.space
 
@@ -55,9 +55,9 @@ def dual(problem, goal):
     on_border = np.linalg.solve(schur, [-column.dot(z) for column in bordered.columns])
     z.maxpy(-on_border, border)
     values = np.zeros(space.dofs)
-    values[space.free] = z.array_r
+    values[space.free_dofs] = z.array_r
     if problem.boundaries.inflow is None:
-        values[space.inlet] = problem.boundaries.profile.x.array[space.inlet] * on_border[0]
+        values[space.inlet_dofs] = problem.boundaries.profile.x.array[space.inlet_dofs] * on_border[0]
     return values
 
 
@@ -108,5 +108,5 @@ def _recovered(space, richer, duals):
     for d, dual in enumerate(duals):
         difference[d, richer.v_map] = smooth_velocity[:, 3 * d : 3 * d + 3].ravel()
         difference[d, richer.q_map] = smooth_pressure[:, d]
-        difference[d] -= carried(space, richer, dual)
+        difference[d] -= interpolate_state(space, richer, dual)
     return difference

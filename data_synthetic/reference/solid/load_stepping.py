@@ -11,7 +11,7 @@ from common.errors import ComputationError
 
 from . import laws
 
-LOADS = ("balloon_radius", "balloon_stiffness", "balloon_cap", "balloon_share") + (
+LOAD_NAMES = ("balloon_radius", "balloon_stiffness", "balloon_cap", "balloon_share") + (
     "stent_radius",
     "stent_stiffness",
     "stent_cap",
@@ -19,14 +19,14 @@ LOADS = ("balloon_radius", "balloon_stiffness", "balloon_cap", "balloon_share") 
     "pressure",
 )
 MAX_ITERATIONS = 14  # of Newton's method in one load step
-CUTS = 7  # the smallest part of a load step that is tried is 0.5**CUTS of it
-WORSE = 2.0  # Newton's method gives up if the residual exceeds that of the first iteration by this factor
+MOST_HALVINGS = 7  # the smallest part of a load step that is tried is 0.5**MOST_HALVINGS of it
+DIVERGENCE_FACTOR = 2.0  # Newton's method gives up if the residual exceeds that of the first iteration by this factor
 
 
-class SteppedModel:
+class LoadSteppedModel:
     """The load stepping that slices and the solid in three dimensions share.
 
-    The constructor of a subclass sets these attributes, then calls `_prepare(residual)`:
+    The constructor of a subclass sets these attributes, then calls `_set_up_solver(residual)`:
     - u: displacement (fem.Function)
     - _constants: loads by name (fem.Constant)
     - _plastic, _strain: plastic state at the quadrature points after the last load step, that is the `plastic_size`
@@ -34,15 +34,15 @@ class SteppedModel:
     - _update: fem.Expression of the plastic state at the present displacement
     - _cells: cells on which `_update` is evaluated
 
-    Loads are a dict of LOADS: the pressure laws of balloon and stent, each times a share from 0 to 1, and a uniform
-    pressure (MPa) for tests.
+    Loads are a dict of LOAD_NAMES: the pressure laws of balloon and stent, each times a share from 0 to 1, and a
+    uniform pressure (MPa) for tests.
     """
 
     plastic_size = 4
     kind = "plane-strain slice"
     remedy = "a finer slice (elements_around, elements_through), or a softer plan"
 
-    def _prepare(self, residual):
+    def _set_up_solver(self, residual):
         """Compiles the residual and its tangent, and sets up the linear solver."""
         self._residual = fenicsx.form(residual)
         self._tangent = fenicsx.form(ufl.derivative(residual, self.u))
@@ -59,21 +59,21 @@ class SteppedModel:
         self.iterations = 0
         self._last_step = None  # (change of the loads, change of the displacement) of the last step
 
-    def _make_loads(self, mesh, more=()):
-        """Makes the constants of LOADS and of the names `more`, without any load.
+    def _create_loads(self, mesh, more=()):
+        """Makes the constants of LOAD_NAMES and of the names `more`, without any load.
 
         Stiffnesses and caps are 1, since the laws are evaluated even at share 0 and must be regular.
         """
-        self._constants = {name: fem.Constant(mesh, 0.0) for name in (*LOADS, *more)}
+        self._constants = {name: fem.Constant(mesh, 0.0) for name in (*LOAD_NAMES, *more)}
         self.set_loads(dict.fromkeys(("balloon_stiffness", "balloon_cap", "stent_stiffness", "stent_cap"), 1.0))
 
-    def _at_points(self, mesh, size):
+    def _quadrature_function(self, mesh, size):
         """Function with `size` values at each quadrature point."""
-        element = fenicsx.quadrature(fenicsx.cell_of(mesh), laws.DEVIATORIC_DEGREE, size if size > 1 else None)
+        element = fenicsx.quadrature(fenicsx.cell_name(mesh), laws.DEVIATORIC_DEGREE, size if size > 1 else None)
         return fem.Function(fenicsx.function_space(mesh, element))
 
     def set_loads(self, loads):
-        """Sets the constants named in `loads` (keys from LOADS)."""
+        """Sets the constants named in `loads` (keys from LOAD_NAMES)."""
         for name, value in loads.items():
             self._constants[name].value = value
 
@@ -93,7 +93,7 @@ class SteppedModel:
                 return False
             if iteration > 0 and norm < 1e-9 * scale + 1e-10:
                 return True
-            if iteration > 3 and norm > WORSE * first:
+            if iteration > 3 and norm > DIVERGENCE_FACTOR * first:
                 return False
             first = norm if iteration == 0 else first
             scale = max(scale, norm)
@@ -111,14 +111,14 @@ class SteppedModel:
                 return True
         return False
 
-    def _commit(self):
+    def _accept_step(self):
         """Makes the plastic state at the present displacement the start of the next step."""
         size = self.plastic_size
-        values = fenicsx.evaluated(self._update, self.u.function_space.mesh, self._cells).reshape(-1, size + 1)
+        values = fenicsx.evaluate(self._update, self.u.function_space.mesh, self._cells).reshape(-1, size + 1)
         self._plastic.x.array[:] = values[:, :size].ravel()
         self._strain.x.array[:] = values[:, size]
 
-    def _predicted(self, change):
+    def _predicted_displacement(self, change):
         """Displacement expected from a change of the loads (array).
 
         It is the last step's displacement, scaled, if the loads change in proportion to that step; otherwise 0.
@@ -133,7 +133,7 @@ class SteppedModel:
     def advance(self, target, name="load"):
         """Moves the loads to `target` (dict) in one load step, or in parts of it where Newton's method fails.
 
-        name: of the load step, for messages. Raises ComputationError if a part of 0.5**CUTS still fails.
+        name: of the load step, for messages. Raises ComputationError if a part of 0.5**MOST_HALVINGS still fails.
         """
         start = self.loads()
         goal = {**start, **target}
@@ -144,15 +144,15 @@ class SteppedModel:
             share = done + step
             change = step * np.array([goal[key] - start[key] for key in sorted(goal)])
             self.set_loads({key: start[key] + share * (goal[key] - start[key]) for key in goal})
-            self.u.x.array[:] += self._predicted(change)
+            self.u.x.array[:] += self._predicted_displacement(change)
             if self._newton():
-                self._commit()
+                self._accept_step()
                 self._last_step = (change, self.u.x.array - before)
                 done, step = share, 2 * step
             else:
                 self.u.x.array[:] = before
                 step *= 0.5
-                if step < 0.5**CUTS:
+                if step < 0.5**MOST_HALVINGS:
                     raise ComputationError(
                         f"the {self.kind} did not converge",
                         name,

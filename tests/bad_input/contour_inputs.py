@@ -4,7 +4,7 @@ import gzip
 
 import numpy as np
 
-from given import given, module
+from input_cases import input_case, module
 
 
 def rows(frames=12, points=24, radius=1.5, step=0.5, scale=1.0, centre=4.0):
@@ -45,159 +45,159 @@ def calcium(folder, content):
     return contours(folder, text(rows()), "--outer-wall", folder / "outer.csv", "--calcium", folder / "calcium.csv")
 
 
-@given("a contour table that is not there")
+@input_case("a contour table that is not there")
 def _(folder):
     return module("anatomy", "contours", folder / "lumen.csv", "--out", folder / "out")
 
 
-@given("an empty contour table")
+@input_case("an empty contour table")
 def _(folder):
     return contours(folder, "")
 
 
-@given("a contour table of names alone")
+@input_case("a contour table of names alone")
 def _(folder):
     return contours(folder, "frame,x_mm,y_mm,z_mm\n")
 
 
-@given("a spreadsheet in place of a contour table")
+@input_case("a spreadsheet in place of a contour table")
 def _(folder):
     return contours(folder, b"PK\x03\x04" + bytes(range(256)) * 4)
 
 
-@given("a compressed contour table that was cut off")
+@input_case("a compressed contour table that was cut off")
 def _(folder):
     return contours(folder, gzip.compress(text(rows()).encode())[:200], name="lumen.csv.gz")
 
 
-@given("contours with decimal commas")
+@input_case("contours with decimal commas")
 def _(folder):
     return contours(folder, text(rows(), ";").replace(".", ","))
 
 
-@given("contours of three columns")
+@input_case("contours of three columns")
 def _(folder):
     return contours(folder, text([row[:3] for row in rows()], head="frame,x,y\n"))
 
 
-@given("contours in image pixels")
+@input_case("contours in image pixels")
 def _(folder):
     return contours(folder, text(rows(radius=80, scale=1)))
 
 
-@given("contours in metres declared as millimetres")
+@input_case("contours in metres declared as millimetres")
 def _(folder):
     return contours(folder, "\n".join(",".join(f"{v:.7f}" for v in row) for row in rows(scale=1e-3)))
 
 
-@given("contours in centimetres by the names of their columns, declared as millimetres")
+@input_case("contours in centimetres by the names of their columns, declared as millimetres")
 def _(folder):
     return contours(folder, text(rows(scale=0.1), head="frame,x_cm,y_cm,z_cm\n"))
 
 
-@given("contours in micrometres by the names of their columns")
+@input_case("contours in micrometres by the names of their columns")
 def _(folder):
     return contours(folder, text(rows(scale=1000), head="frame,x_um,y_um,z_um\n"))
 
 
-@given("contours of which a frame that is not there is left out")
+@input_case("contours of which a frame that is not there is left out")
 def _(folder):
     return contours(folder, text(rows()), "--drop-frame", "99")
 
 
-@given("contours whose columns are x, y, z, frame without names")
+@input_case("contours whose columns are x, y, z, frame without names")
 def _(folder):
     return contours(folder, text([(f"{x:.4f}", y, z, f) for f, x, y, z in rows()], head=""))
 
 
-@given("contours with a second line of names")
+@input_case("contours with a second line of names")
 def _(folder):
     return contours(folder, text(rows(), head="frame,x,y,z\n-,mm,mm,mm\n"))
 
 
-@given("a contour that crosses itself")
+@input_case("a contour that crosses itself")
 def _(folder):
     table = rows()
     table[30], table[40] = (1, *table[40][1:]), (1, *table[30][1:])
     return contours(folder, text(table))
 
 
-@given("contours of which one frame is listed twice")
+@input_case("contours of which one frame is listed twice")
 def _(folder):
     return contours(folder, text(rows() + [row for row in rows() if row[0] == 5]))
 
 
-@given("contours with a branch in a frame of the lumen")
+@input_case("contours with a branch in a frame of the lumen")
 def _(folder):
     lumen, branch = (closed(table, 5) for table in (rows(), rows(radius=0.5, centre=6.2)))
     return contours(folder, text([row for row in rows() if row[0] != 5] + lumen + branch))
 
 
-@given("two deposits of calcium in one line")
+@input_case("two deposits of calcium in one line")
 def _(folder):
     return calcium(folder, text([row for spot in spots() for row in spot]))
 
 
-@given("calcium within the lumen")
+@input_case("calcium within the lumen")
 def _(folder):
     return calcium(folder, text([row for row in rows(radius=0.2) if row[0] == 5]))
 
 
-@given("calcium with another origin than the lumen")
+@input_case("calcium with another origin than the lumen")
 def _(folder):
     return calcium(folder, text(rows(radius=0.2, centre=0)))
 
 
-@given("a contour of six points")
+@input_case("a contour of six points")
 def _(folder):
     return contours(folder, text(rows(points=6)))
 
 
-@given("two contours alone")
+@input_case("two contours alone")
 def _(folder):
     return contours(folder, text(rows(frames=2)))
 
 
-@given("contours of which two lie at one place")
+@input_case("contours of which two lie at one place")
 def _(folder):
     return contours(folder, text([row if row[0] != 5 else (*row[:3], 2.0) for row in rows()]))
 
 
-@given("a contour that is not in one plane")
+@input_case("a contour that is not in one plane")
 def _(folder):
     table = rows()
     table[60] = (*table[60][:3], table[60][3] + 0.4)
     return contours(folder, text(table))
 
 
-@given("a contour point that is not a number")
+@input_case("a contour point that is not a number")
 def _(folder):
     return contours(folder, text(rows()).replace("4.0000", "nan", 1))
 
 
-@given("a range of z from high to low")
+@input_case("a range of z from high to low")
 def _(folder):
     return contours(folder, text(rows()), "--z-range", "5", "1")
 
 
-@given("a healthy wall in words")
+@input_case("a healthy wall in words")
 def _(folder):
     return contours(folder, text(rows()), "--healthy-wall", "thin")
 
 
-@given("an outer wall of another pull-back")
+@input_case("an outer wall of another pull-back")
 def _(folder):
     (folder / "outer.csv").write_text(text([(f, x, y, z + 0.2) for f, x, y, z in rows(radius=2)]))
     return contours(folder, text(rows()), "--outer-wall", folder / "outer.csv")
 
 
-@given("an outer wall inside the lumen")
+@input_case("an outer wall inside the lumen")
 def _(folder):
     (folder / "outer.csv").write_text(text(rows(radius=1.0)))
     return contours(folder, text(rows()), "--outer-wall", folder / "outer.csv")
 
 
-@given("a landmark of a centreline that is not given")
+@input_case("a landmark of a centreline that is not given")
 def _(folder):
     (folder / "marks.csv").write_text("frame,x,y,z\n3,4,5.5,1.5\n")
     return contours(folder, text(rows()), "--landmarks", folder / "marks.csv", "--landmark-point", "1", "2", "3")
@@ -206,66 +206,66 @@ def _(folder):
 # unusual, but pull-backs
 
 
-@given("two deposits of calcium, numbered in a fifth column")
+@input_case("two deposits of calcium, numbered in a fifth column")
 def _(folder):
     table = [(*row, number) for number, spot in enumerate(spots()) for row in spot]
     return calcium(folder, text(table, head="frame,x_mm,y_mm,z_mm,deposit\n"))
 
 
-@given("two deposits of calcium, each ending on its first point")
+@input_case("two deposits of calcium, each ending on its first point")
 def _(folder):
     return calcium(folder, text([row for spot in spots() for row in closed(spot, 5)]))
 
 
-@given("contours divided by tabs, with Windows line ends and a byte-order mark")
+@input_case("contours divided by tabs, with Windows line ends and a byte-order mark")
 def _(folder):
     return contours(folder, ("\ufeff" + text(rows(), "\t", ending="\r\n")).encode())
 
 
-@given("contours with remarks and empty lines")
+@input_case("contours with remarks and empty lines")
 def _(folder):
     table = text(rows())
     return contours(folder, "# from our own program\n\n" + table.replace("\n5,", "\n# frame 5\n\n5,", 1))
 
 
-@given("contours whose columns are named in another order")
+@input_case("contours whose columns are named in another order")
 def _(folder):
     return contours(folder, text([(z, x, y, f) for f, x, y, z in rows()], head="z_mm,x_mm,y_mm,frame\n"))
 
 
-@given("contours of six named columns, one of words")
+@input_case("contours of six named columns, one of words")
 def _(folder):
     table = [("left main", f, 0.9, x, y, z) for f, x, y, z in rows()]
     return contours(folder, text(table, head="vessel,frame,quality,x_mm,y_mm,z_mm\n"))
 
 
-@given("contours whose frames are out of order")
+@input_case("contours whose frames are out of order")
 def _(folder):
     return contours(folder, text(sorted(rows(), key=lambda row: (row[0] * 7 % 12))))
 
 
-@given("contours that run clockwise")
+@input_case("contours that run clockwise")
 def _(folder):
     return contours(folder, text(sorted(rows(), key=lambda row: -np.arctan2(row[2] - 4, row[1] - 4))))
 
 
-@given("contours whose last point is the first again")
+@input_case("contours whose last point is the first again")
 def _(folder):
     table = rows()
     closed = [row for k in range(12) for row in [*table[24 * k : 24 * k + 24], table[24 * k]]]
     return contours(folder, text(closed))
 
 
-@given("a compressed contour table")
+@input_case("a compressed contour table")
 def _(folder):
     return contours(folder, gzip.compress(text(rows()).encode()), name="lumen.csv.gz")
 
 
-@given("contours with z below zero that rises from the proximal end")
+@input_case("contours with z below zero that rises from the proximal end")
 def _(folder):
     return contours(folder, text([(f, x, y, z - 90) for f, x, y, z in rows()]), "--z-from", "proximal")
 
 
-@given("contours in centimetres, so declared")
+@input_case("contours in centimetres, so declared")
 def _(folder):
     return contours(folder, text(rows(scale=0.1), head="frame,x_cm,y_cm,z_cm\n"), "--units", "cm")

@@ -18,22 +18,22 @@ struct TreeChoice {
 /// that is not evidently an aorta. Throws InputError if the mesh is an aorta with coronary arteries ten times too
 /// small, if the user chooses a tree and there is none, or if a vessel on the aorta cannot be followed.
 /// @param units as the user declared them
-std::optional<Aorta> aorta_of(const Mesh& mesh, const TreeChoice& choice, const std::string& units,
-                              std::vector<Repair>& repairs);
+std::optional<Aorta> find_aorta_to_cut(const Mesh& mesh, const TreeChoice& choice, const std::string& units,
+                                       std::vector<Repair>& repairs);
 
 /// The tree that the user's ostium, name or outlets choose, or the only tree. Throws InputError with the list of trees
 /// if several or none fit.
-const CoronaryTree& chosen(const Aorta& aorta, const TreeChoice& choice);
+const CoronaryTree& choose_tree(const Aorta& aorta, const TreeChoice& choice);
 
 /// The plane of the cut: at the user's ostium if a plane across the tree is found there, else at the ostium that
 /// find_aorta() found. Throws InputError if there is neither.
-Plane cut_of(const Mesh& mesh, const CoronaryTree& tree, const TreeChoice& choice);
+Plane tree_cut_plane(const Mesh& mesh, const CoronaryTree& tree, const TreeChoice& choice);
 
 /// Cuts the mesh at `plane` and keeps the tree alone. The opening at its ostium stays open, for cap_open_ends to close.
 /// The mesh has no garbage on return. Throws InputError if the plane does not separate the tree.
-void cut_off(Mesh& mesh, const CoronaryTree& tree, const Plane& plane, std::vector<Repair>& repairs);
+void cut_off_tree(Mesh& mesh, const CoronaryTree& tree, const Plane& plane, std::vector<Repair>& repairs);
 
 /// A line of text on a tree: name, ostium, diameter at the ostium, length.
-std::string line_of(const CoronaryTree& tree);
+std::string tree_line(const CoronaryTree& tree);
 
 } // namespace anatomy

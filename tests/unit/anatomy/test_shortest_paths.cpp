@@ -1,4 +1,4 @@
-#include "core/shortest_ways.hpp"
+#include "core/shortest_paths.hpp"
 #include <gtest/gtest.h>
 #include <random>
 
@@ -6,8 +6,8 @@ using namespace anatomy;
 
 namespace {
 
-TEST(ShortestWays, OfAGraphWithAnIsland) {
-  std::vector<WayGraph::Link> links;
+TEST(ShortestPaths, OfAGraphWithAnIsland) {
+  std::vector<CostGraph::Link> links;
   std::vector<double> costs;
   const auto link = [&](std::size_t a, std::size_t b, double cost) {
     links.insert(links.end(), {{a, b}, {b, a}});
@@ -18,16 +18,16 @@ TEST(ShortestWays, OfAGraphWithAnIsland) {
   link(1, 2, 3);
   link(2, 3, 4);
   link(4, 5, 1);
-  const Ways ways = WayGraph(6, links, costs).from(0);
-  EXPECT_EQ(ways.cost, (std::vector<double>{0, 2, 5, 9, unreached, unreached}));
-  EXPECT_EQ(ways.before, (std::vector<std::size_t>{0, 0, 1, 2, 4, 5}));
+  const ShortestPaths paths = CostGraph(6, links, costs).from(0);
+  EXPECT_EQ(paths.cost, (std::vector<double>{0, 2, 5, 9, unreached, unreached}));
+  EXPECT_EQ(paths.previous, (std::vector<std::size_t>{0, 0, 1, 2, 4, 5}));
 }
 
-TEST(ShortestWays, NoLinkIsShorterThanTheDifference) {
+TEST(ShortestPaths, NoLinkIsShorterThanTheDifference) {
   std::mt19937 random(1);
   std::uniform_int_distribution<std::size_t> node(0, 199);
   std::uniform_real_distribution<double> cost(0.1, 1);
-  std::vector<WayGraph::Link> links;
+  std::vector<CostGraph::Link> links;
   std::vector<double> costs;
   for (int k = 0; k < 800; ++k) {
     const std::size_t a = node(random), b = node(random);
@@ -35,13 +35,13 @@ TEST(ShortestWays, NoLinkIsShorterThanTheDifference) {
     links.insert(links.end(), {{a, b}, {b, a}});
     costs.insert(costs.end(), {c, c});
   }
-  const Ways ways = WayGraph(200, links, costs).from(7);
+  const ShortestPaths paths = CostGraph(200, links, costs).from(7);
   std::vector<double> tight(200, unreached); // least cost + link over the links that end in a node
   for (std::size_t k = 0; k < links.size(); ++k)
-    tight[links[k].second] = std::min(tight[links[k].second], ways.cost[links[k].first] + costs[k]);
+    tight[links[k].second] = std::min(tight[links[k].second], paths.cost[links[k].first] + costs[k]);
   for (std::size_t i = 0; i < 200; ++i)
-    if (i != 7 && ways.cost[i] < unreached) {
-      EXPECT_DOUBLE_EQ(ways.cost[i], tight[i]);
+    if (i != 7 && paths.cost[i] < unreached) {
+      EXPECT_DOUBLE_EQ(paths.cost[i], tight[i]);
     }
 }
 

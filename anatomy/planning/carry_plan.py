@@ -8,7 +8,7 @@ from common.documents import plan_reader
 from common.errors import InputError
 from common.files import write_json
 
-from ..measured import read_sections
+from ..lumen_results import read_sections
 
 
 def run(plan_file, from_folder, to_folder, out):
@@ -26,19 +26,19 @@ def run(plan_file, from_folder, to_folder, out):
     plan |= {"lumen": f"{relative}/lumen.vtp", "centreline": f"{relative}/centreline.vtp"}
     segment = plan["segment"]
     for key in ("s_start_mm", "s_end_mm"):
-        segment[key] = carried(segment["branch"], segment[key], *axes, where)
+        segment[key] = transferred_s_mm(segment["branch"], segment[key], *axes, where)
     for step in plan["procedure"]:
         for use in step["devices"]:
-            use["centre_s_mm"] = carried(use["branch"], use["centre_s_mm"], *axes, where)
+            use["centre_s_mm"] = transferred_s_mm(use["branch"], use["centre_s_mm"], *axes, where)
     write_json(out, plan)
 
 
-def carried(branch, s_mm, before, after, where):
+def transferred_s_mm(branch, s_mm, before, after, where):
     """Arc length in mm on a branch after the transfer: at the place nearest to s_mm on the same branch before.
 
-    before, after: sections of the two anatomies (measured.read_sections). If s_mm is beyond the first or last section,
-    the distance beyond is kept. Raises InputError if the place is farther from the other axis than the vessel's
-    inscribed radius. where: the plan's file, for messages.
+    before, after: sections of the two anatomies (lumen_results.read_sections). If s_mm is beyond the first or last
+    section, the distance beyond is kept. Raises InputError if the place is farther from the other axis than the
+    vessel's inscribed radius. where: the plan's file, for messages.
     """
     if branch not in after:
         found = ", ".join(after)
