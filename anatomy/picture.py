@@ -37,7 +37,7 @@ def run(anatomy_folder, out):
 
 
 def _tree_height_inches(project, branches):
-    """Height in inches, at least LOWEST, at which the tree fills its part of the picture."""
+    """Height in inches, at least LEAST_TREE_INCHES, at which the tree fills its part of the picture."""
     points = project(np.vstack([_column(rows, *POSITION) for rows in branches.values()]))
     thick = max(row["equivalent_diameter_mm"] for rows in branches.values() for row in rows)
     width, height = np.ptp(points, axis=0) + thick

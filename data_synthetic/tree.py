@@ -73,7 +73,7 @@ class Branch:
 
 
 def _interpolate(s_mm, samples, values):
-    """Cubic Hermite interpolation of even samples: its derivative is continuous, as the field's gradient needs it.
+    """Cubic Hermite interpolation of evenly spaced samples. The field's gradient needs its continuous derivative.
 
     The slopes are central differences. So a value between two samples may lie slightly outside their range.
     """

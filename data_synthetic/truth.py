@@ -14,7 +14,7 @@ SCHEMA = "vci-truth-1"
 def document(vessel, branches, rms_mm, vertices, triangles):
     """The content of truth.json: samples (mm) of each branch, true areas and stenoses of its lesions, wall thickness.
 
-    rms_mm: error of the surface's wall points; vertices, triangles: numbers of the surface.
+    rms_mm: rms error of the surface's wall points. vertices, triangles: how many of each the surface has.
     """
     forks = healthy_radius.bifurcations(vessel)
     return {

@@ -5,8 +5,8 @@ from scipy.ndimage import uniform_filter1d
 
 from . import warnings
 
-# Blood counts as cut off if more than SHARE of the axis points within STRETCH_MM have the image's highest CT number. In
-# noisy blood that no window has cut off, hardly a voxel has it.
+# Blood counts as cut off if more than LEAST_SHARE of the axis points within STRETCH_MM have the image's highest CT
+# number. In noisy blood that no window has cut off, hardly a voxel has it.
 STRETCH_MM, LEAST_SHARE = 5.0, 0.5
 SAME_HU = 1.0  # below the highest: resampling an image after the cut lowers some voxels a little
 

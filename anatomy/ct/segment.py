@@ -22,7 +22,9 @@ SCHEMA = "vci-segmentation-1"
 CENTRING_ROUNDS = 3  # rounds in which an axis is centred on its sections
 FEW_RAYS = 8  # rays: enough to sample the blood near the axis
 USUAL_FWHM_MM = 0.7  # point spread that is assumed if the image does not show it
-FARTHEST_END_MM = 2.0  # from a line's end to its end point: about a vessel's radius, since both are picked by hand
+# Largest distance from the end of a user's line to the outlet's point. Both are picked by hand, so it is about the
+# vessel's radius.
+FARTHEST_END_MM = 2.0
 FEWEST_OWN_SECTIONS = 5  # sections of a branch outside its parent that its radii need
 LEAST_CONTRAST = 6.0  # contrast of blood and wall over noise; below it radii are off by 0.2 mm and ends may not close
 MARGIN_MM = 30.0  # of the volume that is used round the end points, since vessels bow out between them
@@ -230,7 +232,7 @@ def _measure_tube(hu_at, line, parent, method, blood, sigma_mm, spacing_mm, rays
         profiles = blood_level.level_contrast(profiles, line.blood, blood)
     radii, bad = edges.find_edges(profiles, method, blood, sigma_mm, stented)
     if parent is not None:
-        inside = _sections_within_parent(line.axis, profiles.s_mm, parent)
+        inside = _count_sections_within_parent(line.axis, profiles.s_mm, parent)
         if len(radii) - inside < FEWEST_OWN_SECTIONS:
             step = profiles.s_mm[1]
             value = (
@@ -248,7 +250,7 @@ def _measure_tube(hu_at, line, parent, method, blood, sigma_mm, spacing_mm, rays
     return tube, profiles, bad
 
 
-def _sections_within_parent(axis, s_mm, parent):
+def _count_sections_within_parent(axis, s_mm, parent):
     """Number of sections at a branch's start whose rays would run into its parent; all if it never leaves that."""
     points = axis.point(s_mm)
     on_parent = parent.axis.nearest(points)
@@ -268,7 +270,7 @@ def _centred_axis(tube, parent):
     size = np.linalg.norm(shift, axis=1, keepdims=True)
     shift *= np.minimum(1, 0.5 / np.maximum(size, 1e-9))
     if parent is not None:
-        inside = _sections_within_parent(tube.axis, tube.s_mm, parent)
+        inside = _count_sections_within_parent(tube.axis, tube.s_mm, parent)
         shift[:inside] *= np.linspace(0, 1, inside + 1)[:-1, None]
     _, normal, binormal = tube.axis.frame(tube.s_mm)
     points = tube.axis.point(tube.s_mm) + shift[:, :1] * normal + shift[:, 1:] * binormal

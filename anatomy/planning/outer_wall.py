@@ -21,7 +21,7 @@ def has_traced_wall(case):
     return "outer_wall" in case.get("lumen", {}).get("contours", {})
 
 
-def with_plaque_reference(sections, lumen_file):
+def with_lumen_and_plaque_reference(sections, lumen_file):
     """The sections (as of lumen_results.read_sections) with reference_diameter_mm replaced by that of lumen and plaque.
 
     lumen_file: lumen.vtp, which has the plaque's thickness at its points.

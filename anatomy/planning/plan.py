@@ -26,7 +26,7 @@ def run(case_file, anatomy_folder, devices_folder, out):
     if request:
         sections = read_sections(anatomy_folder)
         if outer_wall.has_traced_wall(case):
-            sections = outer_wall.with_plaque_reference(sections, anatomy_folder / "lumen.vtp")
+            sections = outer_wall.with_lumen_and_plaque_reference(sections, anatomy_folder / "lumen.vtp")
         proposed = proposal.propose(summary, sections, families, str(case_file), *request)
         steps = proposed.steps
         sentences = list(remarks.of_proposal(summary, proposed))

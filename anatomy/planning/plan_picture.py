@@ -27,7 +27,7 @@ def run(anatomy_folder, plan_file, out):
     summary, sections, plan = read_summary(anatomy_folder), read_sections(anatomy_folder), plan_reader.read(plan_file)
     by = plan.get("reference", {}).get("by", HEALTHY_PROFILE)
     if by == OUTER_WALL:
-        sections = outer_wall.with_plaque_reference(sections, anatomy_folder / "lumen.vtp")
+        sections = outer_wall.with_lumen_and_plaque_reference(sections, anatomy_folder / "lumen.vtp")
     placed = _devices_by_branch(plan)
     heights = [HEIGHT_INCHES + LANE_INCHES * len(devices) for devices in placed.values()]
     figure, axes = plt.subplots(

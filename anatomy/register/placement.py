@@ -106,5 +106,8 @@ def refine_placement(target, tree, start, landmarks):
 
 
 def robust_residuals(residuals):
-    """Residuals (n,) whose squares are Cauchy's loss SCALE^2 ln(1 + (r / SCALE)^2) of the given residuals r (n,)."""
+    """Residuals (n,) whose squares are Cauchy's loss of the given residuals r (n,).
+
+    The loss is S^2 ln(1 + (r / S)^2), where S is ROBUST_SCALE.
+    """
     return ROBUST_SCALE * np.sign(residuals) * np.sqrt(np.log1p((residuals / ROBUST_SCALE) ** 2))

@@ -5,7 +5,7 @@ import numpy as np
 from .placement import LANDMARK_WEIGHT, Target, cost, fit_rigid, refine_placement
 
 LEAST_OVERLAP_SHARE = 0.5  # share of the shorter route that must overlap; shorter stretches may be similar by chance
-MOST_REFINED = 12  # placements that are refined
+MOST_REFINED_PLACEMENTS = 12  # placements that are refined
 REWEIGHTINGS = 3  # further fits of two stretches with new weights
 EQUAL_COST = 0.1  # difference in cost (0 to 1) below which placements are equally good
 DISTINCT_RADII = 1.0  # usual radii: mean distance beyond which two placements of the lumen are different
@@ -94,11 +94,14 @@ def fit_stretch(pre, post, n, m, usual_radius, landmarks):
 
 
 def distinct_starts(starts, target, tree):
-    """The first TRIED of the sorted [(misfit, Placement)] that differ from each other by over half a usual radius."""
+    """The first MOST_REFINED_PLACEMENTS of the sorted [(misfit, Placement)] that differ from each other.
+
+    Two differ if they are more than half a usual radius apart on average.
+    """
     kept = []
     for misfit, start in starts:
         if all(start.mean_distance_mm(other, tree.points) > 0.5 * target.usual_radius_mm for _, other in kept):
             kept.append((misfit, start))
-            if len(kept) == MOST_REFINED:
+            if len(kept) == MOST_REFINED_PLACEMENTS:
                 break
     return kept

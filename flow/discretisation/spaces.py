@@ -186,8 +186,9 @@ def _check_cells(space, path):
     """Raises InputError for cells that are turned inside out, overlap their neighbours, or are too distorted.
 
     With inverted or overlapping cells a flow would be found as well, but mass would not be conserved. Cells are too
-    distorted if `flow mesh` would not write them. Their gamma is not checked: `flow mesh` limits it only for cells that
-    are not swept, and a mesh file does not tell which these are.
+    distorted if `flow mesh` would not write them. Their shape measure gamma (3 inradius / circumradius, see
+    flow.geometry.curving.gamma) is not checked: `flow mesh` limits it only for cells that are not swept, and a mesh
+    file does not tell which these are.
     """
     remedy = "make the mesh anew with `flow mesh`, which checks every cell"
     points, cells = space.nodes()

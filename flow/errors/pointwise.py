@@ -62,9 +62,9 @@ class FfrPlaces:
         return np.concatenate([ends, sampler(points)[1] / reference])
 
     def errors_by_field(self, field):
-        """[error (o + m,) by the mesh, SAFETY times the effect (o + m,) of the artificial viscosity] on FFR.
+        """[error (o + m,) by the mesh, enlarged effect (o + m,) of the artificial viscosity] on FFR.
 
-        field: error_field.ErrorField.
+        The effect is multiplied by error_estimate.SAFETY_FACTOR. field: error_field.ErrorField.
         """
         document = self.case.document
         parts = field.ffr_changes(document, self.tree, self.outlet_names, self.points_mm, self.radii_mm)

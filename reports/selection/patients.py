@@ -34,7 +34,7 @@ def patients_table(documents, cases):
 def patient_row(document, case):
     """One patient's row of patients.csv (dict). FFR is at the distal probe, past the lesion.
 
-    `ffr_after` is that of the first state of TRUTHS with an FFR.
+    `ffr_after` is that of the first state of TRUE_STATES with an FFR.
     """
     lesion, vessel = document["lesion"] or {}, case.get("vessel", {})
     ffr = {

@@ -52,7 +52,7 @@ def contrast_row(document, quantity, truth):
 
 
 def state_value(document, quantity, state):
-    """A quantity of a state; None if the case lacks the state, or the state has no flow."""
+    """A quantity of a state; None if the case lacks the state. FFR is also None if the state has no flow."""
     entry = document["states"].get(state)
     if entry is None or (quantity == "ffr" and entry["ffr"] is None):
         return None

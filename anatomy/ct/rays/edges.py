@@ -147,13 +147,14 @@ def _deviation(values):
 def bright_rays(profiles, blood, stented=False):
     """(calcium (n, m), radius (n, m), stent (n,)): which rays meet calcium, where, and which sections are in a stent.
 
-    radius is in mm, infinite if the ray meets no calcium. Calcium and metal are brighter than BRIGHT times the blood,
-    and than the blood by DEVIATIONS standard deviations. Both are judged after averaging over some samples in each
-    direction. A section is in a stent if most rays of it and its neighbours are bright, and if the user calls the
-    vessel stented: calcium all round may look the same.
+    radius is in mm, infinite if the ray meets no calcium. Calcium and metal are brighter than BRIGHT_RATIO times the
+    blood, and than the blood by BRIGHT_DEVIATIONS standard deviations. Both are judged after averaging over some
+    samples in each direction. A section is in a stent if most rays of it and its neighbours are bright, and if the user
+    calls the vessel stented: calcium all round may look the same.
     """
     smooth = uniform_filter(profiles.hu, (3, 3, 5), mode=("nearest", "wrap", "nearest"))
-    uneven = unevenness_hu(smooth, profiles, blood)  # includes steps of the contrast, which are no calcium
+    # Steps of the contrast along the vessel count here as unevenness, so that they do not pass for calcium.
+    uneven = unevenness_hu(smooth, profiles, blood)
     level = np.maximum(BRIGHT_RATIO * blood, blood + BRIGHT_DEVIATIONS * uneven * profiles.gain)
     above = (smooth > level[:, None, None]) & (profiles.r_mm < BRIGHT_REACH_MM)
     met = above.any(axis=2)
@@ -172,7 +173,7 @@ def replace_outliers(radius):
     """(radii (n, m), replaced (n, m) of bool): rays into side branches and missed edges (nan) are replaced.
 
     They are interpolated from the other rays of the section. If these are too few, all get the section's usual radius:
-    the lesser of its own median and OUTLIER times the median over neighbouring sections.
+    the lesser of its own median and OUTLIER_RATIO times the median over neighbouring sections.
     """
     n, m = radius.shape
     filled = np.where(np.isnan(radius), np.inf, radius)

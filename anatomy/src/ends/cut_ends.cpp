@@ -19,7 +19,8 @@ constexpr double least_ball_prominence = 3;
 // with. A first plane that is tilted by 26 degrees still meets the wall behind the centre.
 constexpr double behind_ball_radii = 0.5;
 constexpr double plane_step_radii = 0.25; // radii between planes that are tried
-// Ratio of the balls' radii over one radius of the axis. Where it is larger, the tip still tapers, and no cut is made.
+// Largest ratio of the radii of two inscribed balls that lie one radius apart along the axis. Where it is larger, the
+// tip still tapers, and no cut is made there.
 constexpr double tip_taper_ratio = 1.15;
 // Largest ratio of the areas of two sections, half a radius apart, that count as alike: a taper of 12 degrees on each
 // side.

@@ -6,8 +6,8 @@ namespace anatomy {
 
 struct Lesion {
   std::size_t branch = 0;                   ///< index of the branch
-  double s_start = 0, s_mla = 0, s_end = 0; ///< mm along the branch: start, place of smallest area, end
-  double mla = 0, mld = 0;                  ///< smallest area (mm2), and the diameter of a circle of that area (mm)
+  double s_start = 0, s_mla = 0, s_end = 0; ///< mm along the branch: start, greatest stenosis, end
+  double mla = 0, mld = 0;                  ///< area at s_mla (mm2), and the diameter of a circle of that area (mm)
   double reference = 0, proximal_reference = 0, distal_reference = 0; ///< mm, healthy: at s_mla, s_start, s_end
   double diameter_stenosis = 0, area_stenosis = 0;                    ///< per cent of the reference
   double mla_error = 0; ///< possible error by coarse voxels, per cent of mla (coarse_mask.hpp)

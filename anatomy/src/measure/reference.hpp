@@ -5,7 +5,7 @@
 
 namespace anatomy {
 
-/// A line of diameters along a branch.
+/// Healthy diameter of a branch as a linear function of arc length.
 struct ReferenceLine {
   double at_start = 0, slope = 0; ///< mm, mm per mm
   double at(double s) const { return at_start + slope * s; }

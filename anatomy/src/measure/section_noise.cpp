@@ -91,12 +91,12 @@ Eigen::VectorXd line_through(const Eigen::VectorXd& y, const Eigen::VectorXd& w)
   return (mean_y + slope * from_mean).matrix();
 }
 
-// The smooth profile (mm, one radius for each sample): a spline, whose penalty has the least Mallows' C_p. Samples
-// nearer than `stride` share vertices of the wall, so their common noise would pass for shape. So only every stride-th
-// sample enters C_p, and the spline with the chosen penalty is then fitted to all samples. The stiffest spline is still
-// a parabola, so a straight line competes as well.
+// The smooth profile (mm, one radius for each sample): a smoothing spline. Its penalty factor is the one with the least
+// Mallows' C_p. Samples nearer than `stride` share vertices of the wall, so their common noise would pass for shape.
+// Therefore only every stride-th sample enters C_p. The spline with the chosen factor is then fitted to all samples.
+// The penalty is on third differences, so the stiffest spline is still a parabola. A straight line competes as well.
 // @param stride in samples
-// @param sigma standard deviation of a radius of 1.5 mm by noise, mm
+// @param sigma standard deviation (mm) that the noise gives to a radius of 1.5 mm
 Eigen::VectorXd smoothed(const RadiusProfile& profile, Eigen::Index stride, double sigma) {
   const Eigen::VectorXd& y = profile.radius;
   Eigen::VectorXd w = profile.weight;

@@ -82,7 +82,7 @@ struct Remesher {
   }
 
   // All faces, of caps too, whose wanted edge is at least `length` (mm).
-  std::vector<Face> faces_from(double length) const {
+  std::vector<Face> faces_with_wanted_edge_from(double length) const {
     std::vector<Face> faces;
     for (Face f : mesh.faces())
       if (field.at(centroid(mesh, f)) >= length)
@@ -132,7 +132,7 @@ struct Remesher {
   void resize_both_ways(double uniform) {
     resize(level_step * uniform);
     for (double target = uniform / level_step;; target = std::min(target / level_step, field.edge())) {
-      const std::vector<Face> faces = faces_from(target * std::sqrt(level_step));
+      const std::vector<Face> faces = faces_with_wanted_edge_from(target * std::sqrt(level_step));
       if (!faces.empty())
         remesh(faces, target, 5, true);
       if (target == field.edge())

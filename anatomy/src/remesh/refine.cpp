@@ -46,7 +46,7 @@ namespace {
 
 // Share of the wall's area in triangles whose normals turn by more than 0.2 rad from corner to corner. Sharp edges do
 // not count.
-double turning_share(const Mesh& mesh) {
+double curved_area_share(const Mesh& mesh) {
   const std::vector<Vec3> normals = wall_normals(mesh);
   const RegionMap region = region_map(mesh);
   double turning = 0, total = 0;
@@ -73,7 +73,7 @@ bool is_coarse(const Mesh& mesh) {
     edges += (vec(mesh.point(mesh.vertex(e, 0))) - vec(mesh.point(mesh.vertex(e, 1)))).norm();
   const double mean = edges / static_cast<double>(mesh.number_of_edges());
   return mean > 0.12 * mean_radius(mesh) ||
-         (mesh.number_of_faces() < most_to_split && turning_share(mesh) > thin_share);
+         (mesh.number_of_faces() < most_to_split && curved_area_share(mesh) > thin_share);
 }
 
 Mesh curved_refined(const Mesh& input) {

@@ -1,4 +1,4 @@
 """The branch as one solid in three dimensions: mesh, model, procedure.
 
-It builds on solid, treatment and the slices' positions. Only the checks use it.
+It uses the packages `solid` and `treatment`, and `slices.slice_positions()`. Only the package `checks` imports it.
 """

@@ -45,7 +45,7 @@ def diseased(tmp_path):
 
 def test_reference_is_lumen_and_plaque(diseased):
     _, sections, file = diseased
-    found = outer_wall.with_plaque_reference(sections, file)["main"]
+    found = outer_wall.with_lumen_and_plaque_reference(sections, file)["main"]
     assert [row["reference_diameter_mm"] for row in found] == pytest.approx([3.0] * len(found), abs=0.05)
 
 
@@ -53,7 +53,7 @@ def test_stents_are_sized_by_the_vessel(diseased, families):
     """1.6 mm of lumen everywhere distal: a balloon by the lumen alone, a stent of 2.75 or 3 mm in a vessel of 3 mm."""
     summary, sections, file = diseased
     assert proposal.propose(summary, sections, families, "case").treatments[0].stents == []
-    done = proposal.propose(summary, outer_wall.with_plaque_reference(sections, file), families, "case")
+    done = proposal.propose(summary, outer_wall.with_lumen_and_plaque_reference(sections, file), families, "case")
     assert {stent.diameter for one in done.treatments for stent in one.stents} <= {2.75, 3.0}
     assert done.treatments[0].target.percent == pytest.approx(47, abs=2)
 
@@ -70,7 +70,7 @@ def test_known_where_contours_have_it(lumen, known):
 def test_the_plan_says_which_reference_it_used(diseased, families):
     """By the outer wall 47 %; by the profile through a lumen that is narrow all along, less: both are said."""
     summary, sections, file = diseased
-    done = proposal.propose(summary, outer_wall.with_plaque_reference(sections, file), families, "case")
+    done = proposal.propose(summary, outer_wall.with_lumen_and_plaque_reference(sections, file), families, "case")
     reference = plan.reference_document(summary, done, by_outer_wall=True)
     assert reference["by"] == "outer wall"
     lesion = reference["lesions"][0]

@@ -140,9 +140,9 @@ def test_plaque_where_the_wall_was_traced_in_part(binary, tmp_path):
     run.run({"lumen": tmp_path / "lumen.csv", "outer_wall": tmp_path / "wall.csv"}, tmp_path)
     command = [binary("lumen"), "process", tmp_path / "lumen.vtp", "--out", tmp_path / "anatomy"]
     subprocess.run(command, check=True, capture_output=True)
-    found = outer_wall.with_plaque_reference(read_sections(tmp_path / "anatomy"), tmp_path / "anatomy" / "lumen.vtp")[
-        "main"
-    ]
+    found = outer_wall.with_lumen_and_plaque_reference(
+        read_sections(tmp_path / "anatomy"), tmp_path / "anatomy" / "lumen.vtp"
+    )["main"]
     at = np.array([row["z_mm"] for row in found])
     plaque = np.array([np.nan if row["plaque_mm"] is None else row["plaque_mm"] for row in found])
     diameter = np.array([row["reference_diameter_mm"] for row in found])
