@@ -11,7 +11,7 @@ PATIENT = ["--lvm-g", "130", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
 
 def anatomy(folder):
     """The anatomy step's files of a straight tube."""
-    tubes.write_case(folder, tubes.tube(20.0, lambda s: 1.2, 0.8), [tubes.line(20.0, lambda s: 1.2)])
+    tubes.write_case(folder, tubes.tube(20.0, lambda s: 1.2, 0.8), [tubes.centre_branch(20.0, lambda s: 1.2)])
     return folder / "anatomy.json"
 
 

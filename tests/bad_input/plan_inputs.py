@@ -53,7 +53,7 @@ def varied(folder, deployment):
     """`whatif plans` of a tube that was widened, with this content of deployment.json; None: without the file."""
     case = folder / "case"
     for place, radius in ((case / "anatomy", 1.0), (case / "vci" / "anatomy", 1.4)):
-        line = tubes.line(LENGTH_MM, lambda s: radius)
+        line = tubes.centre_branch(LENGTH_MM, lambda s: radius)
         tubes.write_case(place, tubes.tube(LENGTH_MM, lambda s: radius, 0.8), [line])
         table = pd.read_csv(place / "sections.csv")
         table.assign(x_mm=table["s_mm"], y_mm=0.0, z_mm=0.0).to_csv(place / "sections.csv", index=False)

@@ -52,10 +52,10 @@ def test_mesh_of_the_deck_fills_the_ring():
     assert volume.min() > 0, "right-handed: CalculiX refuses others"
     middles = np.array([[layer.coordinates[n] for n in element[16:]] for element in layer.elements])
     assert middles == pytest.approx(0.5 * (corners[:, :4] + corners[:, 4:]), abs=1e-12)
-    on_lumen = np.linalg.norm(corners[layer.depth == 0][:, [0, 3], :2], axis=2)
+    on_lumen = np.linalg.norm(corners[layer.depth_index == 0][:, [0, 3], :2], axis=2)
     assert on_lumen == pytest.approx(against_calculix.INNER_MM), "face 6 holds nodes 4, 1, 5, 8"
-    for node in (*layer.lumen, *layer.outside):
-        low, high = (np.array(layer.coordinates[n]) for n in (node, node + layer.top))
+    for node in (*layer.lumen_nodes, *layer.outer_nodes):
+        low, high = (np.array(layer.coordinates[n]) for n in (node, node + layer.top_offset))
         assert high - low == pytest.approx([0, 0, calculix.LAYER_HEIGHT_MM])
 
 
