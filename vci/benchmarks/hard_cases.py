@@ -25,8 +25,8 @@ COLUMNS += ",steps,cpu_seconds,minimal_area_mm2"
 
 
 def calcium_wall(stiffness_ratio):
-    """Wall settings with calcium `stiffness_ratio` times as stiff as the healthy wall (0.8 MPa)."""
-    return {"plaque": {"calcified": {"youngs_modulus_mpa": 0.8 * stiffness_ratio}}}
+    """Wall settings with calcium that never yields, `stiffness_ratio` times as stiff as the healthy wall (0.8 MPa)."""
+    return {"plaque": {"calcified": {"youngs_modulus_mpa": 0.8 * stiffness_ratio, "yield_strain": None}}}
 
 
 MEAN_LIMIT_MM = 0.05 * 0.0125  # largest mean penetration of a good run: a twentieth of contact_distance_mm

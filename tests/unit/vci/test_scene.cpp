@@ -76,7 +76,11 @@ TEST(Scene, FillsInDefaults) {
   EXPECT_EQ(scene.numerics.integrator.residual_tolerance, 3e-3);
   EXPECT_DOUBLE_EQ(scene.stents.at("s").hoop_stiffness(), 0.22 * 1.5 / (4.5 / 95.5))
       << "Laplace: radial strength; strain of the recoil";
-  EXPECT_TRUE(std::isinf(scene.wall.plaque[3].yield_strain));
+  const PlaqueSpec& calcium = scene.wall.plaque[3];
+  EXPECT_NEAR(calcium.youngs_modulus * calcium.yield_strain, 1.2, 1e-12) << "MPa, by Fujino's slope";
+  json rigid = good_scene();
+  rigid["wall"]["plaque"]["calcified"]["yield_strain"] = nullptr;
+  EXPECT_TRUE(std::isinf(read(rigid).wall.plaque[3].yield_strain)) << "null: never";
   EXPECT_EQ(scene.settings["numerics"]["region_margin_mm"], 6);
   EXPECT_FALSE(scene.balloons.at("b").folding.has_value()) << "off unless it is asked for";
   json proposed = good_scene();
