@@ -31,36 +31,54 @@ class CaseOutcome:
     refusal: str = ""
 
 
-def run_engine_and_truth(case_file, folder, build, edit_plan=lambda plan: None, edge=0.4):
-    """Runs the case in the YAML file `case_file` by engine and truth, and returns its CaseOutcome.
+def prepare_plan(case_file, folder, build, edge=0.4):
+    """(plan's file, None) after vessel, lumen and plan of the case were made in `folder`, or (None, reason of refusal).
 
-    folder: for all files. build: folder of the programs vci and lumen. edit_plan: function that edits the plan before
-    engine and truth use it. edge: edge length of the lumen's triangles, mm.
+    case_file: YAML. build: folder of the program lumen. edge: edge length of the lumen's triangles, mm.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    settings_file, plan_file = folder / "reference_settings.json", folder / "vci" / "plan.json"
-    settings_file.write_text(json.dumps(TRUTH_SETTINGS))
-    prepare = [
+    plan_file = folder / "vci" / "plan.json"
+    commands = [
         [PYTHON, "-m", "data_synthetic", "generate", case_file, "--out", folder / "source"],
         [build / "lumen", "process", folder / "source/lumen.vtp", "--units", "mm", "--edge", edge]
         + ["--out", folder / "anatomy"],
         [PYTHON, "-m", "anatomy", "plan", case_file, "--anatomy", folder / "anatomy", "--devices", DEVICES_FOLDER]
         + ["--out", plan_file],
     ]
-    compute = [
+    refusal = first_refusal(commands, folder.name)
+    return (None, refusal) if refusal else (plan_file, None)
+
+
+def first_refusal(commands, case):
+    """The reason of the first of the commands that is refused, printed too after the name of the case; None if none."""
+    for command in commands:
+        code, messages, _ = run_program(command)
+        if code:
+            print(f"{case}: {refusal_reason(messages)}", file=sys.stderr)
+            return refusal_reason(messages)
+    return None
+
+
+def run_engine_and_truth(case_file, folder, build, edit_plan=lambda plan: None):
+    """Runs the case in the YAML file `case_file` by engine and truth, and returns its CaseOutcome.
+
+    folder: for all files. build: folder of the programs vci and lumen. edit_plan: function that edits the plan before
+    engine and truth use it.
+    """
+    plan_file, refusal = prepare_plan(case_file, folder, build)
+    if refusal:
+        return CaseOutcome(folder, refusal=refusal)
+    settings_file = folder / "reference_settings.json"
+    settings_file.write_text(json.dumps(TRUTH_SETTINGS))
+    plan = json.loads(plan_file.read_text())
+    edit_plan(plan)
+    plan_file.write_text(json.dumps(plan))
+    commands = [
         [build / "vci", "deploy", plan_file, "--out", folder / "engine"],
         [PYTHON, "-m", "data_synthetic", "reference", "--scene", plan_file, "--anatomy", folder / "anatomy"]
         + ["--truth", folder / "source/truth.json", "--settings", settings_file, "--out", folder / "reference"],
     ]
-    for command in prepare + compute:
-        if command is compute[0]:
-            plan = json.loads(plan_file.read_text())
-            edit_plan(plan)
-            plan_file.write_text(json.dumps(plan))
-        code, messages, _ = run_program(command)
-        if code:
-            print(f"{folder.name}: {refusal_reason(messages)}", file=sys.stderr)
-            return CaseOutcome(folder, refusal=refusal_reason(messages))
+    if refusal := first_refusal(commands, folder.name):
+        return CaseOutcome(folder, refusal=refusal)
     engine, truth = folder / "engine/deployment.json", folder / "reference/reference.json"
     return CaseOutcome(folder, plan, json.loads(engine.read_text()), json.loads(truth.read_text()))
 

@@ -144,6 +144,32 @@ rule deployment_coarse_walls:
         " --out {params.out}"
 
 
+rule deployment_calcium_strength:
+    message:
+        "benchmark: a stent's expansion in calcium of several strengths"
+    input:
+        programs=[VCI, LUMEN],
+        code=module_code("vci.benchmarks.calcium_strength"),
+        vessels=code("data_synthetic", "data_synthetic.generate"),
+        plan=code("anatomy", "anatomy.planning.plan"),
+        devices=sorted(str(file) for file in (STUDY.folder / "devices").glob("*.yaml")),
+    output:
+        "results/benchmarks/deployment_calcium_strength/strength.csv",
+    log:
+        "results/benchmarks/logs/deployment_calcium_strength.log",
+    benchmark:
+        "results/benchmarks/logs/deployment_calcium_strength.tsv"
+    threads: ALL_CORES
+    resources:
+        **WHOLE_NODE,
+    params:
+        build=programs_folder,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmarks.calcium_strength --build {params.build}"
+        " --out {params.out}"
+
+
 rule deployment_against_published:
     message:
         "benchmark: engine and reference beside benches, cadavers and patients"

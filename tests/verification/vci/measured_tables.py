@@ -74,6 +74,21 @@ TABLES = {
             "largest_mla_error_percent": "its worst, %",
         },
     ),
+    "deployment_calcium_strength": (
+        "strength.csv",
+        {
+            "youngs_modulus_mpa": "MPa",
+            "yield_strain": "yield strain",
+            "hardening": "hardening",
+            "strength_mpa": "strength, MPa",
+            "expansion_90_percent": "expansion at 90 degrees, %",
+            "expansion_180_percent": "180",
+            "expansion_270_percent": "270",
+            "change_percent": "change by 180 degrees, %",
+            "spread_percent": "spread over first steps, %",
+            "refused": "refused",
+        },
+    ),
     "deployment_against_published": (
         "published.csv",
         {
@@ -100,6 +115,13 @@ TABLES = {
     ),
 }
 DIGITS = {
+    "youngs_modulus_mpa": ".0f",
+    "strength_mpa": ".1f",
+    "expansion_90_percent": ".0f",
+    "expansion_180_percent": ".0f",
+    "expansion_270_percent": ".0f",
+    "change_percent": "+.1f",
+    "spread_percent": ".1f",
     "median_cpu_seconds": ".1f",
     "largest_cpu_seconds": ".1f",
     "median_mean_csa_error_percent": ".1f",
