@@ -22,9 +22,8 @@ import sys
 import numpy as np
 
 from common.errors import InputError, guarded
-from vci.benchmarks.programs import refusal_reason, run_program
+from vci.benchmarks.programs import culotte_scene, process_lumen, refusal_reason, run_program
 from vci.benchmarks.scenes import Tube, write_scene
-from vci.benchmarks.shipped import culotte_scene, process_lumen
 from vci.benchmarks.speed_figures import draw_speed
 
 SETTING_COLUMNS = ("edge_mm", "residual_tolerance", "precision", "wall")

@@ -16,9 +16,8 @@ import sys
 
 from common.errors import InputError, guarded
 from common.files import write_json
-from vci.benchmarks.programs import refusal_reason, run_program
+from vci.benchmarks.programs import culotte_scene, refusal_reason, run_program
 from vci.benchmarks.scenes import Tube, write_scene
-from vci.benchmarks.shipped import culotte_scene
 
 COLUMNS = "case,outcome,reason,residual,mean_penetration_mm,worst_penetration_mm,within_limits"
 COLUMNS += ",steps,cpu_seconds,minimal_area_mm2"

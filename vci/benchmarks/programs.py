@@ -1,8 +1,15 @@
-"""Runs a program for the benchmarks, and gets its CPU seconds, its exit code and the reason for a refusal."""
+"""Runs programs of a study for the benchmarks: CPU seconds, refusals, a lumen remeshed, the shipped bifurcation."""
 
+import json
 import os
+import pathlib
 import resource
 import subprocess
+import sys
+
+from common.errors import ComputationError
+
+CONFIG = pathlib.Path(__file__).resolve().parents[2] / "config"
 
 
 def run_program(command, budget=None):
@@ -32,3 +39,39 @@ def refusal_reason(messages):
     lines = [line.strip() for line in messages.strip().splitlines()]
     start = max((k for k, line in enumerate(lines) if line.startswith("where:")), default=len(lines))
     return "; ".join(line for line in lines[max(start - 1, 0) : start + 2] if not line.startswith("remedy"))
+
+
+def process_lumen(programs, surface, units, edge, out):
+    """Writes the anatomy of a surface, remeshed to an edge length (mm), to the folder `out`, unless it is there.
+
+    programs: folder of the program lumen. units: of the surface. Raises ComputationError if the program fails.
+    """
+    if not (out / "lumen.vtp").is_file():
+        code, messages, _ = run_program(
+            [programs / "lumen", "process", surface, "--units", units, "--edge", edge, "--out", out]
+        )
+        if code:
+            raise ComputationError("the lumen cannot be remeshed", str(surface), f"edge {edge} mm", messages.strip())
+
+
+def culotte_scene(programs, edge, folder, steps=None):
+    """The scene (JSON) of the bifurcation in config/cases/culotte_bench.yaml, remeshed to an edge length (mm).
+
+    programs: folder of the program lumen. folder: for the anatomy and the plan; its parent gets the bench's surface,
+    made once. steps: number of first steps that the scene keeps; None: all. Raises ComputationError if a program fails.
+    """
+    case, source, plan = CONFIG / "cases" / "culotte_bench.yaml", folder.parent / "source", folder / "plan.json"
+    if not (source / "lumen.vtp").is_file():
+        _run_module("data_synthetic", "generate", case, "--out", source)
+    process_lumen(programs, source / "lumen.vtp", "mm", edge, folder / "anatomy")
+    _run_module(
+        "anatomy", "plan", case, "--anatomy", folder / "anatomy", "--devices", CONFIG / "devices", "--out", plan
+    )
+    scene = json.loads(plan.read_text())
+    return scene | {"procedure": scene["procedure"][:steps]}
+
+
+def _run_module(*module):
+    code, messages, _ = run_program([sys.executable, "-m", *module])
+    if code:
+        raise ComputationError("the bifurcation cannot be made", module[0], f"exit code {code}", messages.strip())
