@@ -118,7 +118,7 @@ def _check_frames(lumen, path, warnings):
 def _match_frames(table, files, what, frames, warnings):
     """Yields (frame's name, outline or outlines) of the table `what`, for frames with a lumen.
 
-    found: {frame's name: (z, outline or outlines)}. Warns of frames without a lumen. Raises InputError if a frame's z
+    table: {frame's name: (z, outline or outlines)}. Warns of frames without a lumen. Raises InputError if a frame's z
     differs from that in the lumen's table.
     """
     path = files[what]

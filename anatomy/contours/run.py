@@ -164,7 +164,7 @@ def _warn_of_shadows(pull, frame_rings, kinds):
 
 
 def _document(pull, placement, lumen, plaque_summary):
-    """The content of contours.json (docs/design.md). found: the summary that _plaque() returns."""
+    """The content of contours.json (docs/design.md). plaque_summary: as _plaque() returns it."""
     rows = []
     for k, (frame, ring) in enumerate(zip(pull.frames, lumen["frame_rings"])):
         distance = plaque_summary["distance"][k] if "distance" in plaque_summary else np.array([np.nan])

@@ -27,7 +27,7 @@ def fit(hu, r_mm, blood, tissue, sigma_mm, largest_mm):
 
     They are the R of the least-squares fit, over R and M >= 0, of
 
-    I(r) = T + (B - T) disc(r; R) + M shell(r; R - 0.04).
+    I(r) = T + (B - T) blurred_disc(r; R) + M blurred_ring(r; R - 0.04).
 
     B and T are the CT numbers of blood and tissue, M the height of the metal's blurred peak. R is searched in steps of
     0.02 mm up to largest_mm and refined by the parabola through the best three.
