@@ -12,7 +12,7 @@ namespace vci {
 /// - the wall has a hole, or other ends than the branches of the centreline;
 /// - the main branch runs from an outlet to the inlet;
 /// - a device or the reported segment reaches past the end of the lumen.
-/// The check takes some ten milliseconds for 15 000 points.
+/// The check takes some twenty milliseconds for 15 000 points.
 void check_lumen(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths);
 
 } // namespace vci
