@@ -87,7 +87,11 @@ def markdown_page(cohort, expected, found, rows):
     lines = [
         f"# The {cohort} cohort on {this_system} and {shipped_system}",
         "",
-        f"Written by `python3 -m workflow agreement` on {this_system}; {shipped_system} is the manifest that ships.",
+        "Do newer libraries change the results? Other versions of CGAL, gmsh, FEniCSx and VTK make other meshes from "
+        f"the same vessel. This page compares the cases of the {cohort} cohort on both systems.",
+        "`python3 -m workflow agreement` "
+        f"wrote it on {this_system}. The numbers of {shipped_system} are those of the manifest that ships.",
+        "",
         f"Of {len(rows)} numbers {len(rows) - len(deviating)} agree as far as is asked: areas within "
         f"{RELATIVE_TOLERANCE['mean_area_mm2']:.0%} (mean) and "
         f"{RELATIVE_TOLERANCE['minimum_area_mm2']:.0%} (smallest), "
@@ -95,6 +99,8 @@ def markdown_page(cohort, expected, found, rows):
         "FFR within both error estimates together.",
         "",
         "## Largest differences",
+        "The row of each quantity that differs most. Differences are relative, those of FFR absolute.",
+        "",
         f"| | where | {shipped_system} | {this_system} | difference | allowed |",
         "| --- | --- | --- | --- | --- | --- |",
         *(
@@ -104,18 +110,23 @@ def markdown_page(cohort, expected, found, rows):
         ),
         "",
         "## All numbers",
-        "Over the treated segment, and FFR past the lesion. Bold is further off than allowed.",
+        "Areas and curvature are over the treated segment, FFR is past the lesion. [design.md](design.md#states) lists "
+        "the states. A difference in bold is larger than allowed.",
         "",
         f"| case | state | | {shipped_system} | {this_system} | difference | allowed |",
         "| --- | --- | --- | --- | --- | --- | --- |",
         *(_table_row(row) for row in rows),
         "",
         "## Files of the same bits",
+        "How many files are identical on both systems? Those that depend on a mesh are not expected to be.",
+        "",
         "| kind | files | the same bits |",
         "| --- | --- | --- |",
         *_identical_file_rows(expected, found),
         "",
         "## Versions that differ",
+        "The packages of which the two systems have other versions.",
+        "",
         f"| package | {shipped_system} | {this_system} |",
         "| --- | --- | --- |",
     ]

@@ -93,7 +93,8 @@ def verify(manifest, study):
             if present[key] != shipped[key]
         ]
         lines = "\n          ".join(messages + [f"(not compared: {line})" for line in environment_differences])
-        remedy = "the first line that differs comes first in the flow of files; see docs/workflow.md, Provenance"
+        remedy = "the first line that differs comes first in the flow of files; see docs/workflow.md, "
+        remedy += "The same results on another machine"
         raise ComputationError(f"{len(messages)} of {compared} comparisons differ", study, lines, remedy)
     return compared
 

@@ -35,18 +35,28 @@ NEED_OWN_DISK = ("full_disk", "read_only")
 FAULT_NAMES = ("kills", "terminated", "step_killed", "memory_limit", "two_runs", *NEED_NAMESPACE, *NEED_OWN_DISK)
 PAGE_TEMPLATE = """# What happens when something breaks
 
-Written by `tests/faults/run.py` (`make faults`; seed {seed}, {kills} kills). The study is `quick_focal` up to its
-deployments and one flow in three dimensions: {products} products. Each is compared with that of an undisturbed run.
+A long study may be killed, run out of memory, or fill the disk. Does it leave half-written results, and can it be
+resumed?
 
-- "Half-made" counts the products under their final names after the fault that differ from the undisturbed run's.
-- After each fault the run was resumed by `make unlock` and the same command. "Resumed" says how far it came.
-- "Differ" counts products that then differ in any bit. Keys of seconds and memory in JSON are left out.
+`make faults` tests this and writes this page (`tests/faults/run.py`, seed {seed}, {kills} kills). It disturbs a small
+study: `quick_focal` up to its deployments and one flow in three dimensions. An undisturbed run of it leaves
+{products} products (files). Each row of the table is a kind of fault. After it the run was resumed by `make unlock`
+and the same command.
+
+- "Half-made" counts the products under their final names after the fault that differ from the undisturbed run's. A
+  later step could have read them.
+- "Resumed" says how far the resumed run came.
+- "Differ" counts its products that differ in any bit from the undisturbed run's, or are missing. Keys of seconds,
+  memory and paths in JSON are left out.
+
+The {kills} kills hit one run, which was resumed after each and compared at its end. In the row of a second run,
+"resumed" is the end of the first run, and half-made products were not looked for.
 
 | fault | exit code | what the run said | half-made | resumed | differ |
 | --- | --- | --- | --- | --- | --- |
 {rows}
 
-The kills hit these steps: {steps}.
+The kills hit these steps (number of kills): {steps}.
 """
 
 

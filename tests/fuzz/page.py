@@ -9,17 +9,20 @@ import re
 
 PAGE_HEAD = """# What the readers do with damaged files
 
-Written by `make fuzz FUZZ_SECONDS={seconds}`. A reader gets changed copies of sound files for {seconds} seconds.
-It must read each one, or refuse it with a message. A crash, an unfreed block of memory, undefined behaviour or a file
-that takes too long is a fault.
+Does a damaged input file crash a program, or is it refused with a message? `make fuzz FUZZ_SECONDS={seconds}` tests
+this and writes this page. Each reader of files gets damaged copies of sound files for {seconds} seconds. It must read
+each copy or refuse it with a message. Anything else is a fault: a crash, memory that is not freed, undefined
+behaviour, or a file that takes too long (25 seconds in C++, 5 in Python).
+
+The table has the number of damaged files that each reader got, and the faults.
 
 | reader | language | files | faults |
 | --- | --- | --- | --- |
 """
 PAGE_TAIL = """
-The C++ readers run under the address and undefined-behaviour sanitizers, and libFuzzer chooses the changes by the code
-that they reach. The Python readers get random changes of lines, words, numbers and bytes. `tests/fuzz/leaks.txt` names
-a leak in VTK that is left out. The files that caused faults are in `build-fuzz/found`.
+For the C++ readers libFuzzer chooses the changes by the code that they reach. These readers run under the address and
+undefined-behaviour sanitizers. The Python readers get random changes of lines, words, numbers and bytes. One leak in
+VTK is left out; `tests/fuzz/leaks.txt` names it. A file that causes a fault is kept in `build-fuzz/found`.
 """
 CPP_READERS = {
     "scene": "scene of the deployment",
