@@ -18,7 +18,7 @@ class ProcedureFailed(ComputationError):
 
 
 def run_program(command):
-    """Runs a command. Raises Refused with the first line of its error, InputError if the program is missing."""
+    """Runs a command. Raises ProcedureFailed with the first line of its error, InputError if the program is missing."""
     try:
         result = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     except FileNotFoundError:
@@ -34,7 +34,7 @@ def deploy_and_measure(case, scene, folder):
     """Deploys a scene's procedure in the case's lumen before PCI, and measures the lumen after it.
 
     Returns (content of deployment.json, folder of the new lumen's anatomy). folder: created here, for all files of the
-    programs. Raises Refused.
+    programs. Raises ProcedureFailed.
     """
     resolution_options = ["--edge", case.edge_mm, "--spacing", case.spacing_mm]
     folder.mkdir(parents=True, exist_ok=True)

@@ -101,7 +101,7 @@ def alternative_row(case, calibration, families, steps, folder):
 
 
 def deploy(case, steps, devices_folder, folder):
-    """Writes the lumen after a plan, its anatomy and deployment.json into `folder`. Raises InputError, Refused.
+    """Writes the lumen after a plan, its anatomy and deployment.json into `folder`. Raises InputError, ProcedureFailed.
 
     steps: as plans.json lists them.
     """

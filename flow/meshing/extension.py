@@ -1,7 +1,8 @@
 """Straight extensions of inlets or outlets too close to a narrowing: the cap's rim extruded along its normal.
 
-A jet that leaves through an outlet takes its kinetic energy with it. In a longer vessel part of this energy would turn
-back into pressure, so upstream the pressure is too low. So an outlet too close behind a narrowing gets a straight tube.
+Behind a narrowing the pressure first rises, as the jet's kinetic energy turns back into pressure. A resistance that is
+attached before this end changes the flow and FFR (mesh.md). So an outlet too close behind a narrowing gets a straight
+tube.
 The outlet then lies `outlet_clearance_diameters` of its own diameters behind the end of a strong narrowing, and less
 far behind a milder one. An inlet closer than `inlet_clearance_diameters` before a narrowing likewise gets a tube.
 Setting `outlet_extension_diameters` lengthens every outlet by at least this many of its diameters. FFR is read in the
