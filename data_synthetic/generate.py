@@ -37,7 +37,7 @@ def plaque_at(branches, points_mm):
 
 
 def check_narrowest_radius(branches, spacing_mm, where):
-    """Raises InputError for a lumen so narrow that the grid may miss it: no grid point may lie inside."""
+    """Raises InputError for a lumen so narrow that it might lie between the points of the grid, with none inside."""
     least_radius_mm = 0.5 * 3**0.5 * spacing_mm  # half the diagonal of a cell
     for branch in branches:
         narrowest = int(np.argmin(branch.radius_mm))

@@ -156,7 +156,7 @@ def _check_pressure(request, sized, families, where):
 
 
 def _check_overexpansion(device, request, sized, families, stents, where):
-    """Raises InputError if a balloon opens its own stent, or an earlier stent under it, beyond the stent's design.
+    """Raises InputError if a stent's balloon opens this stent beyond its design, or another balloon an earlier stent.
 
     stents: [(placed device, entry)] of the stents so far.
     """

@@ -124,7 +124,7 @@ def listed_steps(plan):
 
 
 def load_device(path):
-    """The checked content (dict) of config/devices/<family>.yaml. Its key `kind` says whether of balloons or stents."""
+    """The checked content (dict) of config/devices/<family>.yaml. Its key `kind` is balloon or stent."""
     kind = yaml_reader.read(path).data
     kind = kind.get("kind") if isinstance(kind, dict) else None
     document = _load(path, kind if kind in ("balloon", "stent") else "device")

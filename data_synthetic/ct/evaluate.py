@@ -86,8 +86,8 @@ def compare_areas(true, found, sections, compared_spans=None):
     Returns a dictionary. Differences are found minus true. Of the areas it has mean_difference_mm2, sd_mm2, and the
     limits at +-1.96 sd, lower_limit_mm2 and upper_limit_mm2. Of the radii of circles of equal area it has
     mean_radius_difference_mm and sd_radius_mm. resistance_ratio is the sum of A^-2 in `found` over the sum in `true`.
-    lost_sections counts sections that are missing in `found`. The number of `sections` and the smallest areas are given
-    too.
+    lost_sections counts sections without an outline in either surface. `sections` is the number of the others, over
+    which all is taken. true_minimal_area_mm2 and found_minimal_area_mm2 are the smallest areas.
     """
     if compared_spans:
         sections = [

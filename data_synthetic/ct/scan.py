@@ -18,10 +18,11 @@ SCHEMA = "vci-ct-1"
 
 
 def run(lumen_path, out, settings_path=None, struts_path=None, scene_path=None, centreline_path=None):
-    """Writes `out`/ct.nii.gz and `out`/ct.json for the lumen at lumen_path; returns the sidecar.
+    """Writes `out`/ct.nii.gz and `out`/ct.json for the lumen at lumen_path; returns the latter's content.
 
-    Stents are given in one of two ways. struts_path is a file of lines, whose thickness is in the settings. scene_path
-    is a scene whose stents, with their own thickness, are laid on this lumen along its centreline. Raises InputError.
+    Stents are given in one of two ways, or there are none. struts_path is a file of lines, whose thickness is in the
+    settings; scene_path is then not used. scene_path is a scene whose stents, with their own thickness, are laid on
+    this lumen along its centreline. Raises InputError.
     """
     settings = config.load_section(settings_path, "ct")["phantom"]
     poly = vtp.read_triangles(lumen_path, "run the anatomy step first")

@@ -72,8 +72,8 @@ def remesh_lumen(build, case, edge, folder):
 def deploy_scene(build, case, files, device, folder):
     """Deploys the case's scene with other files (`lumen`, `coarse_lumen`, `centreline`).
 
-    device: edge of the devices, mm; None: as it is. Returns the outcome, and the areas (mm2) along the segment.
-    They are NaN where a section has none.
+    device: edge of the devices, mm; None: as it is. Returns the outcome, and the areas (mm2) along the segment;
+    None instead of areas if the run did not balance. An area is NaN where the plane gives no closed outline.
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene = json.loads((case / "vci" / "scene.json").read_text(encoding="utf-8"))

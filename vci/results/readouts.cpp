@@ -46,8 +46,8 @@ double peak_memory_mib() {
   return 0;
 }
 
-/// The smallest of the rows' values under `key`. With another order `before`, the value that comes first in it. Null
-/// values are left out; null if no row has a value.
+/// The first of the rows' values under `key` in the order `before`: by default the smallest. Null values are left out;
+/// the result is null if no row has a value.
 template <class Order = std::less<>>
 json first_in_order(const json& rows, const char* key = "area_mm2", Order before = {}) {
   json smallest = nullptr;

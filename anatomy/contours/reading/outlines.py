@@ -122,9 +122,11 @@ def _crossing(points):
 def _second_outline_start(points, may_be_ring):
     """The point (2,) of a closed outline (n, 2) at which a second outline begins, or None.
 
-    Each of the two outlines nearly returns to its own first point. The gap between its last and first point is at most
-    1.5 times its longest step. It also is narrow: at most a quarter of the width of a round outline, or a third of the
-    bridge. The bridge is the step from one outline to the other, if that is longer than all other steps.
+    The line runs along one outline, steps to the other, runs along that one and steps back. Each outline must nearly
+    close: the gap from its last to its first point is at most LARGEST_GAP_RATIO times its longest step. The gap must
+    also be at most half the radius of the outline (half the width of a slender one). Or it is at most a third of the
+    shorter of the two steps between the outlines, where both are longer than all other steps. With may_be_ring, an
+    outline that runs back within the other is the second line of a sheet of calcium, and no outline.
     """
     step = _distance(np.roll(points, -1, axis=0), points)
     k = np.arange(FEWEST_POINTS, len(points) - FEWEST_POINTS + 1)

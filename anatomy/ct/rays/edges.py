@@ -23,7 +23,8 @@ MEASURED_WALL_WEIGHT, HEALTHY_WALL_HU = (
 LARGEST_WALL_SHARE = (
     0.45  # tissue beside the lumen is at most this share of the blood: calcium and metal are not tissue
 )
-# Calcium and metal are brighter than this multiple of the blood, and than the blood by so many standard deviations.
+# Calcium and metal are brighter than BRIGHT_RATIO times the blood. They also exceed the blood by BRIGHT_DEVIATIONS
+# standard deviations of its noise.
 BRIGHT_RATIO, BRIGHT_DEVIATIONS = 1.15, 4.0
 # Calcium and metal are looked for this near to the axis. Share of bright rays from which a section is a stent's.
 BRIGHT_REACH_MM, STENT_SHARE = 3.0, 0.5

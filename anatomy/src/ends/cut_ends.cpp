@@ -175,9 +175,10 @@ Mesh with_short_edges(const Mesh& mesh, double longest) {
   return out;
 }
 
-// The tips by the distance from one extremity of the surface and from the other (tips_of), the most prominent first.
-// `prominence` is in mm. Both distances are needed: a branch that leans towards an extremity hardly stands out in the
-// distance from it. Of two tips closer than `apart` (mm) the less prominent one is dropped.
+// The tips of the surface: the local maxima of the distance along it, measured once from each of its two extremities
+// (tips_of). The most prominent come first. One extremity is not enough: a branch that leans towards it makes hardly a
+// maximum of the distance from it. Of two tips closer than `apart` (mm) the less prominent one is dropped.
+// `prominence` is the least one, in mm.
 std::vector<Tip> tips_from_both(const Mesh& mesh, double prominence, double apart) {
   std::vector<Tip> all = tips_of(mesh, prominence), tips;
   const std::vector<Tip> from_far_end = tips_of(mesh, prominence, true);

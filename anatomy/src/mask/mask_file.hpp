@@ -25,9 +25,10 @@ Mask read_mask(const std::string& path);
 
 /// The surface of one label, or of several taken together, in the file's unit. The image that is 1 in the label and 0
 /// elsewhere is smoothed by 2 G(s) - G(2 s), where G is a Gaussian and s = 0.85 voxels. The surface is the level 0.5.
-/// G(s) alone would move a wall of radius R inward by s^2 / 2 R. The shifts by the two Gaussians cancel, so that to
-/// first order in s / R a curved wall does not move. keep_one_island() chooses the piece of the label that is kept. A
-/// label that reaches the image's border is reported.
+/// At a wall of radius R the value of G(s) is lower than 0.5 by s / (2 R sqrt(2 pi)). So G(s) alone would move the wall
+/// inward by s^2 / 2 R. This deficit is in proportion to s, so it cancels in 2 G(s) - G(2 s): to first order in s / R a
+/// curved wall does not move. keep_one_island() chooses the piece of the label that is kept. A label that reaches the
+/// image's border is reported.
 /// @param wanted labels that are taken together; empty for the only label in the mask
 /// @param inlet a point in the piece to keep, in the file's unit; without it the largest piece is kept
 /// Throws InputError if the label is absent or ambiguous, if the lumen is too thin for the voxels, or if a narrowing is

@@ -47,8 +47,8 @@ struct Star {
   std::vector<Vec3> normals;
 };
 
-// The smallest corner (degrees) of the star's triangles, or the first one found that is not above `enough`. It is -1 if
-// a triangle has turned by more than 60 degrees.
+// The smallest angle (degrees) of the star's triangles, or the first one found that is not above `enough`; then the
+// triangles after it are not looked at. It is -1 if a triangle before it has turned by more than 60 degrees.
 double smallest_star_corner(const Mesh& mesh, const Star& star, double enough) {
   double corner = 180;
   for (std::size_t i = 0; i < star.faces.size() && corner > enough; ++i) {

@@ -133,7 +133,7 @@ class TreatedTube:
 def _extend_beyond_stent(held, inside):
     """The values (stations,) with those outside the stent replaced by that of the nearest stented station.
 
-    They have no effect there.
+    Nothing is held outside the stent. But between its last station and the next one the radius is interpolated.
     """
     at = np.flatnonzero(inside)
     return held[np.clip(np.arange(len(held)), at[0], at[-1])]

@@ -20,7 +20,8 @@ constexpr double hinge_coefficient = 0.4, hinge_strut_thickness = 0.08;
 // hardens more than a balloon's film.
 constexpr HenckyLaw stent_film{0.3, 0.3, 0.0, 0.05, 0.1};
 constexpr double hoop_hardening = 0.01;
-// Tension that makes one edge e (2.718) times as long as its neighbour, over the ring's yield tension.
+// Of RingEvenness, which keeps the edges of a ring equally long: the tension in an edge of nominal length that is
+// e = 2.718 times as long as its neighbour, over the ring's yield tension.
 constexpr double evenness_ratio = 2.0;
 
 // Shear stiffness of a cell over the least one that is needed, the ring's yield tension over twice the edge. With less
