@@ -51,7 +51,7 @@ if hasattr(fem, "functionspace"):  # 0.9
         """The PETSc vector with the values of a fem.Function. It may not be used after the Function is freed."""
         return function.x.petsc_vec
 
-    def evaluate(expression, mesh, cells):
+    def expression_values(expression, mesh, cells):
         """Values of a fem.Expression at its own points in each of `cells` (indices). Each row is a cell."""
         return expression.eval(mesh, cells)
 
@@ -93,7 +93,7 @@ else:  # 0.5
     def petsc_vector(function):
         return function.vector
 
-    def evaluate(expression, mesh, cells):
+    def expression_values(expression, mesh, cells):
         return expression.eval(cells)
 
     def cell_dofs(space):

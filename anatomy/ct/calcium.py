@@ -14,8 +14,8 @@ def plaque_behind(points, segmentation):
     the dict that segment.segment() returns.
 
     Each point lies on a ray from the axis. There is calcium behind it if the nearest ray of the nearest section meets
-    calcium (edges.bright_rays). The point spread blurs the outer edge of calcium. So calcium ends where the CT number
-    on the ray has fallen half-way from its peak to the tissue's.
+    calcium (edges.find_calcium_and_stents). The point spread blurs the outer edge of calcium. So calcium ends where the
+    CT number on the ray has fallen half-way from its peak to the tissue's.
     """
     thickness, kind = np.full(len(points), np.nan), np.full(len(points), NONE)
     away, out, calcium = np.full(len(points), np.inf), np.zeros_like(points), np.zeros(len(points), bool)

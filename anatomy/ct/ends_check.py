@@ -73,14 +73,14 @@ def check(volume, ends):
     for name, centre in ends:
         if _hu(volume, centre) is None:
             value = f"{np.round(centre, 2).tolist()} mm, the volume reaches from {low} to {high}"
-            remedy = f"{END_POINTS_REMEDY} ({volumes.FRAMES_HINT}){_reversed_hint(volume, centre)}"
+            remedy = f"{END_POINTS_REMEDY} ({volumes.FRAMES_HINT}){_ras_lps_hint(volume, centre)}"
             raise InputError("the end point lies outside the image", name, value, remedy)
     name, inlet = ends[0]
     hu = _hu(volume, inlet)
     if hu < LEAST_BLOOD_HU:
         value = f"{hu:.0f} HU at {np.round(inlet, 2).tolist()} mm, contrast-filled blood has {LEAST_BLOOD_HU:g} or more"
         remedy = f"{END_POINTS_REMEDY}, on the vessel's axis; mm, not voxel numbers ({volumes.FRAMES_HINT})"
-        remedy += _reversed_hint(volume, inlet)
+        remedy += _ras_lps_hint(volume, inlet)
         raise InputError("the end point is not in a contrast-filled vessel", name, value, remedy)
 
 
@@ -90,7 +90,7 @@ def _hu(volume, point):
     return paths.blood_hu(volume.image, inside) if volume.image.index(inside)[1] else None
 
 
-def _reversed_hint(volume, point):
+def _ras_lps_hint(volume, point):
     """Text to add to a remedy if the point would lie in contrast with x and y reversed; empty otherwise."""
     other = RAS_TO_LPS * point
     hu = _hu(volume, other)

@@ -157,7 +157,7 @@ def _branches(chains, centres):
             raw.append(chain)
             continue
         # The parent is the branch that shares the longest stretch with the chain.
-        shared = [_shared_points(chain, other) for other in raw]
+        shared = [_shared_count(chain, other) for other in raw]
         parent = int(np.argmax(shared))
         leaves = max(shared[parent] - 1, 0)
         axis = lines[parent].axis
@@ -167,7 +167,7 @@ def _branches(chains, centres):
     return lines
 
 
-def _shared_points(chain, other):
+def _shared_count(chain, other):
     """Number of points that two chains share from the inlet on."""
     count = min(len(chain), len(other)) - 1
     same = np.all(np.abs(chain[1:count] - other[1:count]) < 1e-9, axis=1)

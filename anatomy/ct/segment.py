@@ -149,7 +149,7 @@ def segment(volume, ends, settings, user_lines=None, stented=False):
             level = 0.5 * (blood + float(np.median(tissue[0])))
             levels = [level + 0.5 * (line.blood(tube.s_mm) - blood) for line, tube in zip(lines, result)]
         field = LevelField(result, hu_at, level, blood / (2.5 * sigma), levels)
-    bright = [edges.bright_rays(profile, blood, stented) for profile in profiles]
+    bright = [edges.find_calcium_and_stents(profile, blood, stented) for profile in profiles]
     noise = edges.noise_hu(profiles[0].hu, profiles[0], blood)
     found_warnings = warnings.find_warnings(
         lines, result, profiles, bright, ends, (blood, noise), settings, measured is None, stented

@@ -61,7 +61,8 @@ def expected_error_mm(wall_hu, blood):
 def find_warnings(tube, profiles, bright, blood):
     """[warnings.warning_entry] if the tissue round the main vessel makes its radii wrong, else [].
 
-    tube, profiles, bright: the vessel's Tube, its Profiles and the result of edges.bright_rays(). blood: CT number.
+    tube, profiles, bright: the vessel's Tube, its Profiles and the result of edges.find_calcium_and_stents().
+    blood: CT number.
     """
     clear = ~(bright[0].any(axis=1) | bright[2])
     wall = measured_wall_hu(profiles, tube.radii_mm, blood, clear)

@@ -145,7 +145,7 @@ def _deviation(values):
     return 1.4826 * float(np.median(np.abs(values)))
 
 
-def bright_rays(profiles, blood, stented=False):
+def find_calcium_and_stents(profiles, blood, stented=False):
     """(calcium (n, m), radius (n, m), stent (n,)): which rays meet calcium, where, and which sections are in a stent.
 
     radius is in mm, infinite if the ray meets no calcium. Calcium and metal are brighter than BRIGHT_RATIO times the
@@ -252,7 +252,9 @@ def find_edges(profiles, method, blood, sigma_mm=None, stented=False, rounds=4):
     is removed (stented.fit).
     """
     n, m, _ = profiles.hu.shape
-    hu, (_, place, stent) = np.minimum(profiles.hu, BRIGHT_RATIO * blood), bright_rays(profiles, blood, stented)
+    hu, (_, place, stent) = np.minimum(profiles.hu, BRIGHT_RATIO * blood), find_calcium_and_stents(
+        profiles, blood, stented
+    )
     metal = near_stent(stent, profiles.s_mm)
     place = minimum_filter(place, 3, mode=("nearest", "wrap"))  # the blur reaches the rays beside calcium
     place[stent] = np.inf
@@ -290,7 +292,7 @@ def point_spread(profiles, radius, blood):
     moved by delta) is fitted over sigma and delta. B is the blood's CT number. T is fixed at a healthy wall's, since
     with T free the fat behind the wall would increase sigma.
     """
-    steep = bright_rays(profiles, blood)[0].any(axis=1)  # calcium and metal steepen the edge
+    steep = find_calcium_and_stents(profiles, blood)[0].any(axis=1)  # calcium and metal steepen the edge
     steep = uniform_filter1d(steep.astype(float), 9, mode="nearest") > 0.05
     wide = np.flatnonzero((radius.mean(axis=1) > 1.1) & ~steep)
     if len(wide) < 8:

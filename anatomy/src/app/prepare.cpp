@@ -157,7 +157,7 @@ PreparedLumen find_lumen_ends(ClosedSurface closed, const CoronaryTree* tree, co
   out.repairs = std::move(closed.repairs);
   if (tree) {
     const Plane plane = tree_cut_plane(out.mesh, *tree, tree_choice_of(options));
-    cut_off_tree(out.mesh, *tree, plane, out.repairs);
+    cut_tree_off_aorta(out.mesh, *tree, plane, out.repairs);
     keep_ends_of_tree(out.mesh, !options.caps.empty(), out.named);
     std::set<int> known;
     for (const auto& [tag, faces] : tagged_faces(out.mesh))

@@ -157,7 +157,7 @@ Plane tree_cut_plane(const Mesh& mesh, const CoronaryTree& tree, const TreeChoic
   return tree.ostium;
 }
 
-void cut_off_tree(Mesh& mesh, const CoronaryTree& tree, const Plane& plane, std::vector<Repair>& repairs) {
+void cut_tree_off_aorta(Mesh& mesh, const CoronaryTree& tree, const Plane& plane, std::vector<Repair>& repairs) {
   Vertex tip = Mesh::null_vertex();
   double least = 1e300;
   for (Vertex v : mesh.vertices())

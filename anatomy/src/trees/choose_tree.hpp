@@ -31,7 +31,7 @@ Plane tree_cut_plane(const Mesh& mesh, const CoronaryTree& tree, const TreeChoic
 
 /// Cuts the mesh at `plane` and keeps the tree alone. The opening at its ostium stays open, for cap_open_ends to close.
 /// The mesh has no garbage on return. Throws InputError if the plane does not separate the tree.
-void cut_off_tree(Mesh& mesh, const CoronaryTree& tree, const Plane& plane, std::vector<Repair>& repairs);
+void cut_tree_off_aorta(Mesh& mesh, const CoronaryTree& tree, const Plane& plane, std::vector<Repair>& repairs);
 
 /// A line of text on a tree: name, ostium, diameter at the ostium, length.
 std::string tree_line(const CoronaryTree& tree);

@@ -82,7 +82,7 @@ class SliceModel(LoadSteppedModel):
         mm to (share of plaque, shear MPa, yield MPa, hardening MPa), each (n,).
         """
         self.annulus.place(inner_mm, outer_mm)
-        x = fenicsx.evaluate(self._position_expression, self.annulus.mesh, self._cells).reshape(-1, 2)
+        x = fenicsx.expression_values(self._position_expression, self.annulus.mesh, self._cells).reshape(-1, 2)
         values = np.stack(material(np.arctan2(x[:, 1], x[:, 0]), np.hypot(x[:, 0], x[:, 1])), axis=1)
         self._material.x.array[:] = values.ravel()
         self._plastic.x.array[:] = np.tile([1.0, 1.0, 1.0, 0.0], len(x))

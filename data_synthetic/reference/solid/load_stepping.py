@@ -114,7 +114,7 @@ class LoadSteppedModel:
     def _accept_step(self):
         """Makes the plastic state at the present displacement the start of the next step."""
         size = self.plastic_size
-        values = fenicsx.evaluate(self._update, self.u.function_space.mesh, self._cells).reshape(-1, size + 1)
+        values = fenicsx.expression_values(self._update, self.u.function_space.mesh, self._cells).reshape(-1, size + 1)
         self._plastic.x.array[:] = values[:, :size].ravel()
         self._strain.x.array[:] = values[:, size]
 

@@ -53,7 +53,7 @@ class TubeModel(LoadSteppedModel):
 
     def _set_rest_state(self, chart, material):
         """Sets the material constants and the unloaded state at the quadrature points."""
-        s, a, b = fenicsx.evaluate(chart, self.tube.mesh, self._cells).reshape(-1, 3).T
+        s, a, b = fenicsx.expression_values(chart, self.tube.mesh, self._cells).reshape(-1, 3).T
         self._material.x.array[:] = np.stack(material(s, np.arctan2(b, a), np.hypot(a, b)), axis=1).ravel()
         self._plastic.x.array[:] = np.tile([1.0, 1.0, 1.0, 0.0, 0.0, 0.0], len(s))
 

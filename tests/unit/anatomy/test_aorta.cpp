@@ -98,7 +98,7 @@ TEST(Aorta, TheTreeIsCutOffAtItsOstium) {
   const auto aorta = find_aorta_to_cut(mesh, {}, "mm", repairs);
   ASSERT_TRUE(aorta);
   const CoronaryTree& right = choose_tree(*aorta, {"right", {}, {}});
-  cut_off_tree(mesh, right, tree_cut_plane(mesh, right, {}), repairs);
+  cut_tree_off_aorta(mesh, right, tree_cut_plane(mesh, right, {}), repairs);
   EXPECT_FALSE(CGAL::is_closed(mesh));
   double nearest = 1e300, farthest = 0;
   for (Vertex v : mesh.vertices()) {

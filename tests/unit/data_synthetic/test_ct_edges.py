@@ -114,7 +114,7 @@ def calcified_image(degrees, gap_mm, hu=1000.0, thick_mm=0.8, noise=20.0, voxel=
 @pytest.mark.parametrize("degrees", [120, 180, 270, 360])
 def test_an_arc_of_calcium_is_no_stent_and_no_lumen(degrees, gap_mm):
     profiles = profiles_of(calcified_image(degrees, gap_mm))
-    calcium, _, stent = edges.bright_rays(profiles, 400.0)
+    calcium, _, stent = edges.find_calcium_and_stents(profiles, 400.0)
     middle = np.abs(profiles.s_mm - 6) < 2
     assert not stent.any() and calcium[middle].mean() > 0.8 * degrees / 360
     radius, _ = edges.find_edges(profiles, "psf_edge", 400.0, np.hypot(SIGMA, 0.4 / np.sqrt(12)))
@@ -124,14 +124,14 @@ def test_an_arc_of_calcium_is_no_stent_and_no_lumen(degrees, gap_mm):
 
 def test_only_a_vessel_called_stented_has_a_stent():
     profiles = profiles_of(calcified_image(360, 0.0))
-    assert edges.bright_rays(profiles, 400.0, stented=True)[2].any()
-    assert not edges.bright_rays(profiles, 400.0)[2].any()
+    assert edges.find_calcium_and_stents(profiles, 400.0, stented=True)[2].any()
+    assert not edges.find_calcium_and_stents(profiles, 400.0)[2].any()
 
 
 @pytest.mark.parametrize("noise", [25, 80])
 def test_noise_is_no_calcium(noise):
     profiles = profiles_of(calcified_image(0, 0.3, noise=noise))
-    assert edges.bright_rays(profiles, 400.0)[0].mean() < 0.01
+    assert edges.find_calcium_and_stents(profiles, 400.0)[0].mean() < 0.01
 
 
 def test_noise_is_measured_beside_a_slow_fall_of_the_blood():
