@@ -23,8 +23,8 @@ END_LENGTH_MM, WIDENING_RATIO = (
 def find_warnings(lines, tubes, profiles, bright, ends, levels, settings, point_spread_assumed, stented):
     """[{code, branch, s_start_mm, s_end_mm, value, message}]: the warnings on a segmentation.
 
-    lines, tubes, profiles, bright: [paths.Line], [Tube], [Profiles] and [result of
-    edges.find_calcium_and_stents()] of the branches. ends: [(name, centre (3,) in mm)]. levels: (blood's CT number, its noise), HU. settings: the section
+    lines, tubes, profiles, bright: [paths.Line], [Tube], [Profiles] and [result of edges.find_calcium_and_stents()] of
+    the branches. ends: [(name, centre (3,) in mm)]. levels: (blood's CT number, its noise), HU. settings: the section
     `segmentation`. point_spread_assumed: whether the image does not show it. stented: whether the user says that there
     is a stent.
     """
