@@ -28,11 +28,21 @@ def limit_to_avx2(environment, flags):
     flags: the processor's features as Linux names them. Without AVX2 and fused multiply-add nothing is set, because
     these functions would not run.
     """
-    if not {"avx2", "fma"} <= set(flags):
+    if architecture(flags) != "x86-64-v3":
         return
     environment.setdefault("OPENBLAS_CORETYPE", OPENBLAS_KERNEL)
     if disabled := [name for name, flag in AVX512_FLAGS.items() if flag in flags]:
         environment.setdefault("NPY_DISABLE_CPU_FEATURES", ",".join(disabled))
+
+
+def architecture(flags):
+    """The processor's architecture as compilers name it, held to AVX2: x86-64-v3 or x86-64; `native` for other kinds.
+
+    flags: as in `limit_to_avx2`. Every processor with AVX2 and fused multiply-add has the rest of x86-64-v3 too.
+    """
+    if "sse2" not in flags:  # every x86-64 has it
+        return "native"
+    return "x86-64-v3" if {"avx2", "fma"} <= set(flags) else "x86-64"
 
 
 def cpu_flags():

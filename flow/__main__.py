@@ -10,7 +10,7 @@ import numpy as np
 from common.documents import config, json_reader
 from common.errors import InputError, guarded
 from common.files import sha256, write_json, write_table
-from flow import command_files
+from flow import command_files, output
 from flow import settings as settings_module
 
 
@@ -54,6 +54,7 @@ def boundary_command(arguments):
                 document, network_at, settings.split_exponent
             )
         document = flow_range.fit_resistances(document, network_at)
+    output.print_warnings(document["warnings"])
     write_json(arguments.out, document)
 
 
@@ -137,6 +138,7 @@ def audit_command(arguments):
     case = _read_case(arguments)
     if case.settings.model != "3d":
         raise InputError("only the 3D flow can be audited", "setting model", case.settings.model, "leave it at 3d")
+    output.print_warnings(case.warnings)
     search = adaptive.MeshSearch(case.document, case.settings, case.original_tree, case.predictor())
     solved = search.run(command_files.mesh_paths(arguments))
     answer, table = audit.audit_answer(solved, case)

@@ -28,7 +28,7 @@ def tolerance_met(estimate, settings):
 
 
 def tolerance_warnings(estimate, settings, names=()):
-    """Warnings, printed too, on each probe whose error is not known to be within ffr_tolerance.
+    """Warnings on each probe whose error is not known to be within ffr_tolerance.
 
     The mesh is chosen for `distal` alone, so other probes may have larger errors. names: of all probes, `distal` first.
     """
@@ -41,8 +41,6 @@ def tolerance_warnings(estimate, settings, names=()):
     for name, error in list(zip(names, estimate["probes"]))[1:] if estimate else ():
         if error > settings.ffr_tolerance:
             found.append(f"{quantity} at the probe {name} is {error:.3g}, {above}")
-    for warning in found:
-        print(warning, file=sys.stderr, flush=True)
     return found
 
 
@@ -82,11 +80,7 @@ class MeshSearch:
             try:
                 solved = self.solve_on_mesh(path, answer, effort)
             except ComputationError as error:
-                factorizations = getattr(error, "factorizations", 0)
-                self.factorizations += factorizations
-                self.meshes.append(
-                    {"mesh": pathlib.Path(path).name, "status": "no flow", "factorizations": factorizations}
-                )
+                self.meshes.append({**self.record_failure(path, error), "status": "no flow"})
                 if not answer and (path == paths[-1] or self.factorizations >= self.settings.max_newton_iterations):
                     raise
                 print(f"{path}: no flow, another mesh answers:\n{error}", file=sys.stderr, flush=True)
@@ -116,14 +110,21 @@ class MeshSearch:
         try:
             solved = self.solve_on_mesh(path, None, EFFORT_FULL, start)
         except ComputationError as error:
-            factorizations = getattr(error, "factorizations", 0)
-            self.factorizations += factorizations
-            self.start_record = {"mesh": start.mesh_name, "led_to_flow": False, "factorizations": factorizations}
+            self.start_record = {**self.record_failure(path, error), "led_to_flow": False}
             print(f"{path}: no flow from that of the other state", file=sys.stderr, flush=True)
             return None
         factorizations = solved.problem.solver.factorizations
         self.start_record = {"mesh": start.mesh_name, "led_to_flow": True, "factorizations": factorizations}
         return solved
+
+    def record_failure(self, path, error):
+        """{mesh, factorizations} of the mesh `path`, on which the solve ended with the ComputationError `error`.
+
+        The factorizations are counted.
+        """
+        factorizations = getattr(error, "factorizations", 0)
+        self.factorizations += factorizations
+        return {"mesh": pathlib.Path(path).name, "factorizations": factorizations}
 
     def solve_on_mesh(self, path, coarser, effort, start=None):
         """Solves on the mesh `path` and estimates the error. Returns SolvedMesh, raises ComputationError.

@@ -14,7 +14,6 @@ import pandas
 import scipy.stats
 
 from common.errors import ComputationError
-from flow.geometry import locate
 from flow.physics import ffr
 from flow.solvers import marching
 
@@ -37,22 +36,20 @@ def time_unit(radius_mm, flow_m3_per_s):
 def march(problem, read_ffr, unit_s, units, most_steps):
     """Marches the flow in time and returns a DataFrame with time_s and ffr_0, ffr_1, ... of the probes.
 
-    problem: solvers.nonlinear.FlowProblem, whose present flow is the start; read(sampler) -> FFR at the probes. The
+    problem: solvers.nonlinear.FlowProblem, whose present flow is the start; read_ffr(sampler) -> FFR at the probes. The
     march ends after `units` time units of unit_s, or after `most_steps` steps. Raises ComputationError where even a
     step of about SHORTEST_STEP fails.
     """
     problem.boundaries.set_full_flow()
     problem.forms.artificial_viscosity.value = 0.0
-    sampler = locate.FieldSampler(problem.space, problem.state.x.array)
     stepper, rows = marching.Stepper(problem), []
 
     def record():
-        sampler.set_state(problem.space, problem.state.x.array)
-        rows.append([stepper.time, *read_ffr(sampler)])
+        rows.append([stepper.time, *read_ffr(problem.space.sampler(problem.state.x.array))])
 
     try:
         record()
-        for dt in _adaptive_steps(stepper, LONGEST_STEP * unit_s, most_steps):
+        for dt in _march_adaptively(stepper, LONGEST_STEP * unit_s, most_steps):
             record()
             if stepper.steps % 20 == 0:
                 progress = (
@@ -69,7 +66,7 @@ def march(problem, read_ffr, unit_s, units, most_steps):
     return table
 
 
-def _adaptive_steps(stepper, longest_step, most_steps):
+def _march_adaptively(stepper, longest_step, most_steps):
     """Makes up to `most_steps` steps with a marching.Stepper and yields the length of each in s, at most
     `longest_step`.
 

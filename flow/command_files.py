@@ -9,47 +9,48 @@ from common.errors import InputError
 from flow import output
 from flow.inputs.lumen_summary import ANATOMY_STEP_FILES
 
+# The files that each command writes, and how the names that --out and --coarse give to them must end.
+WRITTEN = {
+    "boundary": (lambda arguments: [arguments.out], ""),
+    "mesh": (lambda arguments: [arguments.out, *arguments.coarse, mesh_report_path(arguments)], ".msh"),
+    "solve": (lambda arguments: [pathlib.Path(arguments.out) / name for name in output.FILES], ""),
+    "audit": (lambda arguments: [arguments.out, pathlib.Path(arguments.out).with_suffix(".csv")], ".json"),
+    "rank": (lambda arguments: [arguments.out], ""),
+}
+
 
 def remove_old_output(arguments):
-    """Removes the files that an earlier run with the same outputs wrote (flow.output). Raises InputError."""
-    files_of = {
-        "boundary": boundary_files,
-        "mesh": mesh_files,
-        "solve": solve_files,
-        "audit": audit_files,
-        "rank": rank_files,
-    }
-    written, read = files_of[arguments.command](arguments)
-    output.remove_old_output(written, [pathlib.Path(path) for path in (*read, arguments.settings) if path])
+    """Removes the files that an earlier run with the same outputs wrote (flow.output).
+
+    Raises InputError for an output that would replace an input or another output, or has not the ending of its kind.
+    """
+    outputs = ("out", "coarse", "json") if arguments.command == "mesh" else ("out",)
+    files_written, ending = WRITTEN[arguments.command]
+    for name in (arguments.out, *(arguments.coarse if "coarse" in outputs else ())):
+        if not name.endswith(ending):
+            raise InputError("not the name of such a file", "--out, --coarse", name, f"let it end in {ending}")
+    written = [pathlib.Path(path) for path in files_written(arguments)]
+    output.remove_old_output(written, _files_read({k: v for k, v in vars(arguments).items() if k not in outputs}))
 
 
-def boundary_files(arguments):
-    """(files written, files read) of `flow boundary`."""
-    centreline = arguments.centreline or pathlib.Path(arguments.anatomy).with_name("centreline.vtp")
-    return [pathlib.Path(arguments.out)], [arguments.anatomy, centreline, arguments.case]
+def _files_read(given):
+    """Paths of the files that a command may read, whether they are there or not.
+
+    given: {name: value} of its arguments other than those of its outputs.
+    """
+    values = [text for value in given.values() for text in (value if isinstance(value, list) else [value])]
+    texts = [text for text in values if isinstance(text, str)]
+    texts += [text.partition("=")[2] for text in texts if "=" in text]  # NAME=FOLDER
+    paths = [pathlib.Path(text) for text in texts]
+    in_folders = [path / name for path in paths for name in (*ANATOMY_STEP_FILES, *output.FILES)]
+    reports = [path.with_suffix(".json") for path in paths if path.suffix == ".msh"]
+    lumens = [pathlib.Path(given[name]) for name in ("centreline", "anatomy") if given.get(name)]
+    return [*paths, *in_folders, *reports, *(path.with_name(name) for path in lumens for name in ANATOMY_STEP_FILES)]
 
 
 def mesh_report_path(arguments):
     """Path of the report of `flow mesh`."""
     return pathlib.Path(arguments.json or pathlib.Path(arguments.out).with_suffix(".json"))
-
-
-def mesh_files(arguments):
-    """(files written, files read) of `flow mesh`.
-
-    Raises InputError for a mesh name that does not end in .msh, or a file that would replace another one.
-    """
-    meshes = [pathlib.Path(path) for path in (arguments.out, *arguments.coarse)]
-    for path in meshes:
-        if path.suffix != ".msh":
-            raise InputError("not the name of a gmsh mesh", "--out, --coarse", path, "let it end in .msh")
-    written = [*meshes, mesh_report_path(arguments)]
-    read = [path for path in (arguments.lumen, arguments.centreline, arguments.settings) if path]
-    files = [pathlib.Path(path).resolve() for path in (*read, *written)]
-    for k, path in enumerate(files[len(read) :], start=len(read)):
-        if path in files[:k]:
-            raise InputError("a file would replace another", "--out, --coarse, --json", path, "give each its own name")
-    return written, read
 
 
 def pair_with_rings(coarse, rings):
@@ -86,33 +87,3 @@ def require_file(path, option):
     if not pathlib.Path(path).is_file():
         raise InputError("no such file", path, "missing", f"leave it beside the centreline, or give {option}")
     return path
-
-
-def _solve_inputs(arguments):
-    """Files that `flow solve` or `flow audit` reads."""
-    meshes = [arguments.mesh, *arguments.coarse]
-    read = [*meshes, arguments.boundary, arguments.centreline, arguments.mesh_report]
-    read += [pathlib.Path(path).with_suffix(".json") for path in meshes]
-    if getattr(arguments, "start", None):
-        read += [pathlib.Path(arguments.start[0]) / name for name in output.FILES] + [arguments.start[1]]
-    return [*read, arguments.lumen, *anatomy_and_sections(arguments)]
-
-
-def solve_files(arguments):
-    """(files written, files read) of `flow solve`."""
-    return [pathlib.Path(arguments.out) / name for name in output.FILES], _solve_inputs(arguments)
-
-
-def audit_files(arguments):
-    """(files written, files read) of `flow audit`. Raises InputError if the output's name does not end in .json."""
-    written = pathlib.Path(arguments.out)
-    if written.suffix != ".json":
-        raise InputError("not the name of a JSON file", "--out", written, "let it end in .json")
-    return [written, written.with_suffix(".csv")], _solve_inputs(arguments)
-
-
-def rank_files(arguments):
-    """(files written, files read) of `flow rank`."""
-    folders = [pathlib.Path(plan.partition("=")[2]) for plan in arguments.plans]
-    read = [folder / name for folder in folders for name in ANATOMY_STEP_FILES]
-    return [pathlib.Path(arguments.out)], [arguments.boundary, *arguments.measured, *read]

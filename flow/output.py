@@ -1,6 +1,7 @@
 """Files of a solve: solution.vtu (quadratic tetrahedra, mm), ffr.json, pullback.csv."""
 
 import os
+import sys
 
 import numpy as np
 import vtk
@@ -18,9 +19,12 @@ def remove_old_output(files, inputs):
     """Removes the output `files` of an earlier run. If this run is refused, they would be taken for its output.
 
     inputs: paths of the files that the command reads. Raises InputError, and removes nothing, if one of them is among
-    `files`, or if `files` cannot be written.
+    `files`, if two of `files` are the same, or if they cannot be written.
     """
     resolved = [path.resolve() for path in files]
+    for k, path in enumerate(resolved):
+        if path in resolved[:k]:
+            raise InputError("a file would replace another", "output", files[k], "give each its own name")
     for path in inputs:
         if path.resolve() in resolved:
             raise InputError("an input would be replaced by its answer", "--out", path, "give another name or folder")
@@ -33,6 +37,12 @@ def remove_old_output(files, inputs):
             raise InputError("no folder for the answer", "--out", path.parent, value)
     for path in files:
         path.unlink(missing_ok=True)
+
+
+def print_warnings(warnings):
+    """Prints the warnings [str] of a command."""
+    for one in warnings:
+        print(one, file=sys.stderr, flush=True)
 
 
 def write_vtu(path, points, cells, fields):

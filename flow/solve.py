@@ -33,15 +33,14 @@ def run(paths, case, folder, start=None, made_from=None):
     document, settings, tree = case.document, case.settings, case.original_tree
     predictor = case.predictor()
     models = predictor.answers()
-    extensions = case.extension_report(models)
     print(f"1D network: FFR {models['network']['ffr']:.4f}", file=sys.stderr, flush=True)
     if settings.model == "3d":
         search = adaptive.MeshSearch(document, settings, tree, predictor)
         solved = search.run(paths, start)
     else:
         solved = reduced_answer.ReducedAnswer(settings.model, predictor, paths[0])
-    reference, estimate = ffr.reference_pa(document, tree, solved.sampler), solved.estimate
-    answer, table = shared_entries(solved, case, reference)
+    estimate = solved.estimate
+    answer, table = shared_entries(solved, case)
     answer |= _flow_entries(solved) if settings.model == "3d" else {"dofs": solved.dofs}
     answer["error_estimate"] = error_estimate.shown_entries(estimate)
     pointwise.add_estimates(solved, case, answer, table)
@@ -60,12 +59,13 @@ def run(paths, case, folder, start=None, made_from=None):
     answer["warnings"] = case.warnings + document.get("warnings", []) + model_difference_warnings(models)
     answer["warnings"] += ffr.slope_warnings(answer["probes"], table)
     answer["warnings"] += ffr.displacement_warnings(answer["probes"], tree, table) + warnings
-    answer["extensions"] = extensions
+    output.print_warnings(answer["warnings"])
+    answer["extensions"] = {"ends": case.extended_ends()}
     answer["reduced_model"] = {"model": "1D network", **models["network"]}
     answer["seconds"] = time.perf_counter() - begin
     answer["cpu_seconds"] = _cpu_seconds() - begin_cpu
     answer["peak_memory_mib"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    output.write_all(pathlib.Path(folder), vtu_fields(solved, document, reference), table, answer)
+    output.write_all(pathlib.Path(folder), vtu_fields(solved, document), table, answer)
     solved.destroy()
     predictor.destroy()
     return answer
@@ -89,24 +89,18 @@ def summary_line(answer):
 
 
 def model_difference_warnings(models):
-    """[warning], printed too, if the FFR of the models differ by more than LARGE_DIFFERENCE.
-
-    models: entry of ffr.json.
-    """
+    """[warning] if the FFR of the models differ by more than LARGE_DIFFERENCE. models: entry of ffr.json."""
     found = {name: entry["ffr"] for name, entry in models.items() if entry["ffr"] is not None}
     if max(found.values()) - min(found.values()) <= LARGE_DIFFERENCE:
         return []
     values = ", ".join(f"{name} {value:.3f}" for name, value in found.items())
-    warning = f"the models' FFR differ by more than {LARGE_DIFFERENCE:g}: {values}; look at the mesh and sections.csv"
-    print(warning, file=sys.stderr, flush=True)
-    return [warning]
+    return [f"the models' FFR differ by more than {LARGE_DIFFERENCE:g}: {values}; look at the mesh and sections.csv"]
 
 
-def shared_entries(solved, case, reference):
+def shared_entries(solved, case):
     """(the entries of ffr.json that 3D and reduced models both have, table of pullback.csv without estimated errors).
 
-    solved: solvers.solved_mesh.SolvedMesh or reduced.answer.ReducedAnswer; case: reduced.extended.ExtendedLumen;
-    reference: the denominator of FFR in Pa.
+    solved: solvers.solved_mesh.SolvedMesh or reduced.answer.ReducedAnswer; case: reduced.extended.ExtendedLumen.
     """
     tree, network, names, estimate = case.original_tree, case.network, solved.outlet_names, solved.estimate
     flow_of = dict(zip(names, solved.outflows))
@@ -118,7 +112,7 @@ def shared_entries(solved, case, reference):
     probes = ffr.at_probes(case.document, tree, solved.sampler)
     for k, probe in enumerate(probes):
         probe["error_estimate"] = estimate["probes"][k] if estimate else None
-    at_ends = ffr.at_outlets(names, solved.pressures, case, solved.sampler, reference)
+    at_ends = ffr.at_outlets(names, solved.pressures, case, solved.sampler)
     answer = {
         "schema": "vci-ffr-1",
         "status": solved.status,
@@ -131,7 +125,7 @@ def shared_entries(solved, case, reference):
         ],
         "inlet_flow_m3_per_s": solved.inflow,
     }
-    return answer, ffr.pullback(tree, solved.sampler, reference, flow_at)
+    return answer, ffr.pullback(tree, solved.sampler, case.document["map_pa"], flow_at)
 
 
 def _flow_entries(solved):
@@ -140,7 +134,7 @@ def _flow_entries(solved):
     return {
         "mass_imbalance": _mass_imbalance(solved.outflows.sum(), solved.inflow),
         "energy": energy.balance(solved.problem),
-        "iterations": outcome.iterations,
+        "iterations": solved.iterations,
         "residual_absolute": outcome.residual_absolute,
         "residual_relative": outcome.residual_relative,
         "artificial_viscosity": solved.artificial_viscosity,
@@ -157,13 +151,13 @@ def _mass_imbalance(outflow, inflow):
             "mass is not conserved",
             "flow through the outlets against the inlet's",
             f"they differ by {imbalance:.3e} of the flow",
-            f"at most {LARGEST_IMBALANCE:g} is trusted: look at the mesh, lower residual_relative",
+            f"at most {LARGEST_IMBALANCE:g} is trusted: look at the mesh",
         )
     return imbalance
 
 
-def vtu_fields(solved, document, reference):
-    """(points, cells, {name: values}) for output.write_vtu. reference: the denominator of FFR in Pa."""
+def vtu_fields(solved, document):
+    """(points, cells, {name: values}) for output.write_vtu; document: of boundary.json."""
     points, cells = solved.space.nodes()
     velocity, pressure = solved.sampler.velocity, solved.sampler.pressure
     wall = np.zeros(len(points), bool)
@@ -175,7 +169,7 @@ def vtu_fields(solved, document, reference):
         {
             "velocity_m_per_s": velocity,
             "pressure_pa": pressure,
-            "ffr": pressure / reference,
+            "ffr": pressure / document["map_pa"],
             "wall_shear_stress_pa": stress,
         },
     )

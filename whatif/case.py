@@ -5,7 +5,6 @@ import functools
 import pathlib
 
 from common.documents import config, json_reader
-from common.errors import InputError
 from flow import settings as flow_settings
 from flow.geometry import centreline
 from flow.inputs import boundary, lumen_summary
@@ -42,9 +41,6 @@ class Case:
         path = self.folder / "flow" / "boundary.json"
         document = self.json("flow/boundary.json")
         boundary.check(document, path)
-        if any(outlet.get("pressure_pa") is not None for outlet in document["outlets"]):
-            remedy = "set flow.outlet_condition to resistance"
-            raise InputError("outlets at a given pressure have no resistance to vary", path, "pressure_pa", remedy)
         return document
 
     @functools.cached_property

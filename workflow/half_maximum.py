@@ -44,8 +44,3 @@ class HalfMaximum:
         ct_folders = tuple(f"/{state}/" for state in CT_STATES)
         files = self.inputs.files_of_states(*names, *flow)(wildcards)
         return [file for file in files if not any(state in file for state in ct_folders)]
-
-    def ffr_files(self, wildcards):
-        """[file with the FFR of the arm's lumens]; empty if the 1D network cannot be calibrated on the case's flow."""
-        varied = self.inputs.cases_with_variable_flow([wildcards.case])
-        return [f"{self.inputs.results}/cases/{wildcards.case}/{ARM_NAME}/ffr.json"] if varied else []

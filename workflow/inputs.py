@@ -17,7 +17,6 @@ CENTRELINE_OPTIONS = {
 STENT_ALONE_STATES = ("rc_stent",)  # radius correction by the stents alone
 CT_STATES = ("ct", "ct_vci", "ct_rc")  # the reference seen in CT, and predictions from the CT before the procedure
 CT_IMAGED_STATES = ("pre", "reference")  # states with a CT volume
-VARIABLE_CONDITIONS = ("pressure", "resistance")  # inlet and outlet condition of the flows that `whatif` can vary
 
 
 class Inputs:
@@ -51,15 +50,6 @@ class Inputs:
     def states_with_flow(self, case):
         """The states of a case whose flow is computed."""
         return [state for state in self.states(case) if self.has_flow(case, state)]
-
-    def cases_with_variable_flow(self, cases):
-        """Those of `cases` whose flow `whatif` can vary: pressure is set at the inlet, resistances at the outlets."""
-        flows = {case: self.configuration.settings(case)["flow"] for case in cases}
-        return [
-            case
-            for case in cases
-            if (flows[case]["inlet_condition"], flows[case]["outlet_condition"]) == VARIABLE_CONDITIONS
-        ]
 
     def has_reference(self, case):
         """Whether the reference can treat the case: a synthetic one, by one device at a time in one branch.
@@ -294,7 +284,7 @@ class Inputs:
         return any({"reference", "post"} & set(self.states(case)) for case in cases)
 
     def page_templates(self):
-        """The files of the report page that are not Python: HTML templates, style and scripts."""
+        """The files of the report's pages that are not Python: HTML templates, style and scripts."""
         return sorted(str(file) for file in pathlib.Path("reports/page/templates").rglob("*") if file.is_file())
 
 

@@ -5,7 +5,6 @@ The artificial viscosity is eps h |u| (physics.navier_stokes). With eps = 0 the 
 
 import ufl
 from dolfinx import fem
-from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from flow.discretisation import compat
@@ -72,19 +71,13 @@ class NavierStokes:
         """The compiled residual over W, without the pressure loads of inlet and outlets."""
         return self._compiled_form("residual", lambda index: compat.form(self._residuals[index]))
 
-    def assemble_residual(self, vector):
-        """Writes the residual at the present state into the PETSc vector `vector`."""
-        vector.set(0.0)
-        fem_petsc.assemble_vector(vector, self.residual)
+    def assemble_residual(self):
+        """The residual (n,) over W at the present state."""
+        return compat.assemble(self.residual)
 
     def artificial_force(self):
         """The part of the residual (n,) over W by the artificial viscosity, at the present state."""
-        vector = fem_petsc.assemble_vector(
-            self._compiled_form("artificial", lambda _: compat.form(self.losses["artificial"]))
-        )
-        values = vector.array_r.copy()
-        vector.destroy()
-        return values
+        return compat.assemble(self._compiled_form("artificial", lambda _: compat.form(self.losses["artificial"])))
 
     @staticmethod
     def integral(form):

@@ -3,7 +3,10 @@
 errors.error_field asks for the next richer pair, P3 and P2, on the same mesh.
 """
 
+import functools
+
 import numpy as np
+import scipy.sparse.linalg
 import ufl
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
@@ -11,7 +14,7 @@ from petsc4py import PETSc
 
 from common.errors import InputError
 from flow.discretisation import compat
-from flow.geometry import tet10
+from flow.geometry import locate, tet10
 from flow.geometry.tags import PHYSICAL_INLET, PHYSICAL_OUTLET_BASE, PHYSICAL_WALL
 from flow.geometry.tet10 import LEAST_JACOBIAN_RATIO, count_overlapping
 from flow.physics.units import M_PER_MM
@@ -71,19 +74,28 @@ class LumenSpace:
         return self.V.tabulate_dof_coordinates()[fem.locate_dofs_topological(self.V, 2, facets)].mean(axis=0)
 
     def flux_vector(self, tag):
-        """PETSc vector over W whose product with a state is the outflow in m3/s through the boundary with a tag.
+        """Values (n,) over W whose product with a state is the outflow in m3/s through the boundary with a tag.
 
-        Its entries are the integrals of v.n over the boundary, v being a basis function.
+        They are the integrals of v.n over the boundary, v being a basis function.
         """
         v, _ = ufl.TestFunctions(self.W)
         n = ufl.FacetNormal(self.mesh)
-        return fem_petsc.assemble_vector(compat.form(ufl.inner(n, v) * self.ds(tag)))
+        return compat.assemble(compat.form(ufl.inner(n, v) * self.ds(tag)))
 
     def nodes(self):
         """(points (n, 3) in m, cells (t, 10)): the velocity nodes, and the cells with the node order of tet10."""
         if not hasattr(self, "_nodes"):
             self._nodes = compat.quadratic_cells(self.V)
         return self._nodes
+
+    @functools.cached_property
+    def locator(self):
+        """The locate.Locator of points in the cells."""
+        return locate.Locator(*self.nodes())
+
+    def sampler(self, state):
+        """locate.FieldSampler of the flow with values `state` (n,) over W."""
+        return locate.FieldSampler(self.locator, state[self.v_map].reshape(-1, 3), self.nodal_pressure(state))
 
     def nodal_pressure(self, state):
         """Pressure (n,) in Pa at the velocity nodes; state: values over W.
@@ -109,53 +121,32 @@ class LumenSpace:
         return np.flatnonzero(np.isin(self.v_map.reshape(-1, 3)[:, 0], self.wall_dofs))
 
     def inlet_profile(self):
-        """Function on W: velocity at the inlet for an inflow of 1 m3/s, with the fully developed profile of its shape.
+        """Velocity (n,) over W at the inlet for an inflow of 1 m3/s, with the fully developed profile of its shape.
 
-        -laplace(phi) = 1 on the cap, phi = 0 on its rim; velocity = -n phi / integral(phi). On a disc it is parabolic.
+        -laplace(phi) = 1 on the cap, phi = 0 on its rim; velocity goes with -n phi. On a disc it is parabolic.
         """
         S = compat.function_space(self.mesh, compat.scalar_element(self.mesh, self.degree))
         phi, psi = ufl.TrialFunction(S), ufl.TestFunction(S)
-        n = ufl.FacetNormal(self.mesh)
+        n, ds = ufl.FacetNormal(self.mesh), self.ds(PHYSICAL_INLET)
 
         def tangential(f):
             return ufl.grad(f) - ufl.dot(ufl.grad(f), n) * n
 
-        ds = self.ds(PHYSICAL_INLET)
         facets = {t: self.facet_tags.indices[self.facet_tags.values == t] for t in (PHYSICAL_INLET, PHYSICAL_WALL)}
         cap, wall = (fem.locate_dofs_topological(S, 2, facets[t]) for t in (PHYSICAL_INLET, PHYSICAL_WALL))
-        everything = np.arange(S.dofmap.index_map.size_local, dtype=np.int32)
-        fixed = np.setdiff1d(everything, np.setdiff1d(cap, wall)).astype(np.int32)
-        bc = fem.dirichletbc(PETSc.ScalarType(0.0), fixed, S)
-        A = fem_petsc.assemble_matrix(compat.form(ufl.inner(tangential(phi), tangential(psi)) * ds), bcs=[bc])
-        A.assemble()
-        one = fem.Constant(self.mesh, PETSc.ScalarType(1.0))
-        b = fem_petsc.assemble_vector(compat.form(one * psi * ds))
-        fem_petsc.set_bc(b, [bc])
-        solution = fem.Function(S)
-        ksp = PETSc.KSP().create(self.mesh.comm)
-        ksp.setOperators(A)
-        ksp.setType("cg")
-        ksp.getPC().setType("jacobi")
-        ksp.setTolerances(rtol=1e-12, max_it=5000)
-        ksp.solve(b, compat.petsc_vector(solution))
-        for petsc_object in (ksp, A, b):
-            petsc_object.destroy()
-        inflow = float(fem.assemble_scalar(compat.form(solution * ds)))
-        area = self.area(PHYSICAL_INLET)
-        normal = np.array([fem.assemble_scalar(compat.form(n[k] * ds)) for k in range(3)]) / area
+        inner = np.setdiff1d(cap, wall)
+        A = compat.to_csr(fem_petsc.assemble_matrix(compat.form(ufl.inner(tangential(phi), tangential(psi)) * ds)))
+        load = compat.assemble(compat.form(fem.Constant(self.mesh, PETSc.ScalarType(1.0)) * psi * ds))
+        solution = np.zeros(len(load))
+        solution[inner] = scipy.sparse.linalg.spsolve(A[inner][:, inner].tocsc(), load[inner])
+        normal = [fem.assemble_scalar(compat.form(n[k] * ds)) for k in range(3)]
         # S and V number their nodes differently, but a cell's nodes have the same order in both
-        phi_values = np.empty(len(self.V.tabulate_dof_coordinates()))
-        phi_values[compat.cell_dofs(self.V)] = solution.x.array[compat.cell_dofs(S)] / inflow
-        profile = fem.Function(self.W)
-        blocks = self.v_map.reshape(-1, 3)
-        for k in range(3):
-            profile.x.array[blocks[:, k]] = -normal[k] * phi_values
+        at_nodes = np.empty(len(self.v_map) // 3)
+        at_nodes[compat.cell_dofs(self.V)] = solution[compat.cell_dofs(S)]
+        profile = np.zeros(self.dofs)
+        profile[self.v_map] = -np.outer(at_nodes, normal).ravel()
         # the outflow of this profile through the inlet must be exactly -1 m3/s, whatever the quadrature error
-        flux = self.flux_vector(PHYSICAL_INLET)
-        outflow = flux.dot(compat.petsc_vector(profile))
-        flux.destroy()
-        profile.x.array[:] /= -outflow
-        return profile
+        return profile / -(self.flux_vector(PHYSICAL_INLET) @ profile)
 
 
 def read(path):

@@ -27,23 +27,21 @@ class FreeMatrix:
         self.velocity = compat.block_matrix(forms.mass)
         fem_petsc.assemble_matrix(self.velocity, forms.mass)
         self.velocity.assemble()
-        self.entries = self.velocity.convert("aij", PETSc.Mat())
+        self.entries, self.entry_values, numbers = _share_values(self.velocity)
         self.input_vector, self.output_vector = self.velocity.createVecs()
         self.divergence = compat.to_csr(fem_petsc.assemble_matrix(forms.divergence))  # B (dofs of Q, dofs of V)
-        pattern = self._pattern()
-        self.sources = pattern.data.astype(np.int64) - 1
+        pattern = self._pattern(numbers)
+        self.sources, self.values = pattern.data.astype(np.int64) - 1, np.zeros(pattern.nnz)
         self.constant_places = np.flatnonzero(self.sources < 0)  # places of B and of the zeros
         values = np.append(self.divergence.data, 0.0)[-self.sources[self.constant_places] - 2]
         self.constant_values, self.sources[self.constant_places] = values, 0
-        self.pattern = tuple(part.astype(PETSc.IntType) for part in (pattern.indptr, pattern.indices))
-        given = *self.pattern, np.zeros(pattern.nnz)
-        self.matrix = PETSc.Mat().createAIJ(pattern.shape, csr=given, comm=PETSc.COMM_SELF)
+        self.matrix = _matrix_on(pattern, self.values)
 
-    def _pattern(self):
+    def _pattern(self, velocity):
         """CSR matrix with the pattern of `matrix`, whose values say where each entry of `matrix` comes from.
 
-        1, 2, ... stand for the entries of A in their order; -1, -2, ... for those of B. The next number after the last
-        entry of B stands for a zero.
+        1, 2, ... stand for the entries of A in their order, as in the CSR matrix `velocity` with A's pattern; -1, -2,
+        ... for those of B. The next number after the last entry of B stands for a zero.
         """
         space, row = self.space, self.divergence.copy()
         row.data = -1 - np.arange(row.nnz, dtype=np.int32)
@@ -52,7 +50,7 @@ class FreeMatrix:
         # zeros between the pressures of one cell are in the pattern, for the ordering by MUMPS
         zero = scipy.sparse.csr_matrix((np.ones(len(pairs[0]), np.int32), pairs), 2 * (row.shape[0],))
         zero.data[:] = -1 - row.nnz
-        velocity, border = _number_entries(self.entries), scipy.sparse.bmat([[None, row.T], [row, zero]], "csr")
+        border = scipy.sparse.bmat([[None, row.T], [row, zero]], "csr")
         velocity.resize(border.shape)
         number = np.empty(space.dofs, np.int32)
         number[np.concatenate([space.v_map, space.q_map])] = np.arange(space.dofs)
@@ -74,10 +72,9 @@ class FreeMatrix:
         if inertia:
             inertia.add_tangent(self.velocity)
         self.velocity.convert("aij", self.entries)
-        values = self.entries.getValuesCSR()[2][self.sources]
-        values[self.constant_places] = self.constant_values
-        self.matrix.setValuesCSR(*self.pattern, values)
-        self.matrix.assemble()
+        np.take(self.entry_values, self.sources, out=self.values)
+        self.values[self.constant_places] = self.constant_values
+        self.matrix.assemble()  # tells the solver that the values are new
 
     def multiply(self, values, transposed=False):
         """Product (n,) over W of the last matrix, or its transpose, with values (n,) whose pressures are 0.
@@ -97,7 +94,20 @@ class FreeMatrix:
             petsc_object.destroy()
 
 
-def _number_entries(matrix):
-    """CSR matrix with the pattern of a PETSc AIJ matrix, whose values number the entries from 1 on."""
-    starts, columns, values = matrix.getValuesCSR()
-    return scipy.sparse.csr_matrix((np.arange(1, len(values) + 1, dtype=np.int32), columns, starts), matrix.size)
+def _share_values(blocks):
+    """(PETSc AIJ matrix with the entries of a PETSc matrix in blocks, its values (nnz,), their numbers).
+
+    The array of the values is the matrix's own. The numbers, from 1 on, are in a CSR matrix of the same pattern.
+    """
+    converted = blocks.convert("aij", PETSc.Mat())
+    starts, columns, values = converted.getValuesCSR()
+    numbers = np.arange(1, len(values) + 1, dtype=np.int32)
+    found = scipy.sparse.csr_matrix((numbers, columns, starts), converted.size)
+    converted.destroy()
+    return _matrix_on(found, values), values, found
+
+
+def _matrix_on(pattern, values):
+    """PETSc AIJ matrix with the pattern of a CSR matrix, whose values are the array `values` (nnz,) itself."""
+    starts = pattern.indptr.astype(PETSc.IntType), pattern.indices.astype(PETSc.IntType)
+    return PETSc.Mat().createAIJWithArrays(pattern.shape, (*starts, values), comm=PETSc.COMM_SELF)

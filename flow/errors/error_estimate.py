@@ -38,18 +38,21 @@ def estimate_error(solved, document, tree, ffr_at_probes, coarser=None):
     """Error estimate of a SolvedMesh: {"ffr": at the probe `distal`, "probes": [at each probe], ...}, or None.
 
     solved, coarser: solvers.solved_mesh.SolvedMesh; document: of boundary.json; tree: without extensions;
-    at_probes(sampler) -> FFR at the probes, `distal` first.
+    ffr_at_probes(sampler) -> FFR at the probes, `distal` first.
 
     The error by the mesh is the larger of two entries. `goal` follows from the dual-weighted residual
-    (`error_of_parts`), `mesh` from Richardson's extrapolation with the flow `coarser` on a coarser mesh, if both have
-    the same eps. SAFETY_FACTOR times the effect of the artificial viscosity on FFR, `artificial_viscosity`, is added.
-    All these entries are values at `distal`. If the linear solves for `goal` fail, `mesh` alone is the estimate. The
-    estimate is None if `mesh` is missing too, or if an artificial viscosity is left.
+    (`error_of_parts`), `mesh` from Richardson's extrapolation with the flow `coarser` on a coarser mesh. It is
+    |fine - coarse| / (r^2 - 1), where r^3 is the ratio of the numbers of cells. Both flows must have the same eps, and
+    r must be above LEAST_WIDTH_RATIO.
+    SAFETY_FACTOR times the effect of the artificial viscosity on FFR, `artificial_viscosity`, is added. All these
+    entries are values at `distal`. If the linear solves for `goal` fail, `mesh` alone is the estimate. The estimate is
+    None if `mesh` is missing too, or if an artificial viscosity is left.
     """
     found, methods, parts, artificial = [], [], {}, None
-    if coarser and coarser.problem.artificial_viscosity != solved.problem.artificial_viscosity:
-        coarser = None  # another eps is another model: the two flows would not differ by the mesh alone
-    basis = EstimateBasis(None, _richardson_pair(solved, coarser))
+    ratio, basis = 0.0, EstimateBasis()
+    # another eps is another model: the two flows would not differ by the mesh alone
+    if coarser and coarser.problem.artificial_viscosity == solved.problem.artificial_viscosity:
+        ratio = _width_ratio(solved, coarser)
     try:
         parts_at_probes, basis.field = error_field.solve_error_field(solved, document, tree)
         parts_at_probes, artificial = parts_at_probes[:, :-1], parts_at_probes[:, -1]
@@ -59,11 +62,14 @@ def estimate_error(solved, document, tree, ffr_at_probes, coarser=None):
         parts |= {"goal": float(found[0][0]), "goal_signed": float(signed[0]), "goal_sizes": float(sizes[0])}
     except ComputationError as error:
         print(f"no dual solution for the error estimate:\n{error}", file=sys.stderr, flush=True)
-    richardson, richardson_method = richardson_estimate(solved, coarser, ffr_at_probes) if coarser else (None, "")
-    if richardson is not None:
-        found.append(richardson["mesh"])
-        methods.append(richardson_method)
-        parts.update({key: float(values[0]) for key, values in richardson.items()})
+    if ratio > LEAST_WIDTH_RATIO:
+        share = 1.0 / (ratio**ASSUMED_ORDER - 1)
+        basis.pair = (solved.sampler, solved.outflows), (coarser.sampler, coarser.outflows), share
+        ffr_fine, ffr_coarse = (np.asarray(ffr_at_probes(item.sampler)) for item in (solved, coarser))
+        found.append(share * np.abs(ffr_fine - ffr_coarse))
+        methods.append(f"two meshes, ratio of widths {ratio:.3f}, order {ASSUMED_ORDER:g}")
+        values = {"mesh": found[-1], "ffr_coarse": ffr_coarse, "ffr_fine": ffr_fine}
+        parts.update({key: float(value[0]) for key, value in values.items()})
     if not found:
         return None
     total = np.max(found, axis=0)
@@ -90,33 +96,7 @@ def shown_entries(estimate):
     return estimate and {key: value for key, value in estimate.items() if key not in INTERNAL_KEYS}
 
 
-def richardson_estimate(fine, coarse, ffr_at_probes):
-    """({"mesh", "ffr_coarse", "ffr_fine"}, method in words) from the flows `fine`, `coarse` (SolvedMesh) on two meshes.
-
-    The three values are arrays over the probes. `mesh` is Richardson's estimate |fine - coarse| / (r^2 - 1), where r^3
-    is the ratio of the numbers of cells. (None, "") if r is at most LEAST_WIDTH_RATIO.
-    """
-    ratio = _width_ratio(fine, coarse)
-    if ratio <= LEAST_WIDTH_RATIO:
-        return None, ""
-    ffr_coarse, ffr_fine = (np.asarray(ffr_at_probes(item.sampler)) for item in (coarse, fine))
-    mesh = np.abs(ffr_fine - ffr_coarse) / (ratio**ASSUMED_ORDER - 1)
-    words = f"two meshes, ratio of widths {ratio:.3f}, order {ASSUMED_ORDER:g}"
-    return {"mesh": mesh, "ffr_coarse": ffr_coarse, "ffr_fine": ffr_fine}, words
-
-
 def _width_ratio(fine, coarse):
     """Ratio of the cells' widths, coarse over fine: the cube root of the ratio of the numbers of cells."""
     cells = [len(item.space.nodes()[1]) for item in (coarse, fine)]
     return (cells[1] / cells[0]) ** (1 / 3)
-
-
-def _richardson_pair(fine, coarse):
-    """`pair` of an EstimateBasis from two SolvedMesh.
-
-    None if `coarse` is None, or coarser by no more than LEAST_WIDTH_RATIO.
-    """
-    ratio = _width_ratio(fine, coarse) if coarse else 0.0
-    if ratio <= LEAST_WIDTH_RATIO:
-        return None
-    return (fine.sampler, fine.outflows), (coarse.sampler, coarse.outflows), 1.0 / (ratio**ASSUMED_ORDER - 1)

@@ -38,41 +38,29 @@ class ErrorField:
     """The changes of a steady flow by k loads, as far as FFR depends on them.
 
     pressure (q, k) in Pa at the pressure's dofs, which lie at `pressure_points` (q, 3) in m; outflows (o, k) in m3/s.
-    The flow itself has flow_pressure (q,) in Pa, flow_outflows (o,) in m3/s, and sampler
-    (geometry.locate.FieldSampler).
-
     solved: solvers.solved_mesh.SolvedMesh; loads (n, k): sparse, over W.
     """
 
     def __init__(self, solved, loads):
         problem, space = solved.problem, solved.space
-        self.boundaries, self.sampler, self.flow_outflows = solved.boundaries, solved.sampler, solved.outflows
-        self.flow_pressure = problem.state.x.array[space.q_map]
+        self.boundaries, self.sampler = solved.boundaries, solved.sampler
         self.pressure_points, self.mass = space.Q.tabulate_dof_coordinates(), _mass_matrix(space)
         pressure, outflows = [], []
         for first in range(0, loads.shape[1], LOADS_AT_ONCE):
             response = problem.responses(loads[:, first : first + LOADS_AT_ONCE].toarray())
             pressure.append(response[space.q_map])
-            outflows.append(np.stack([flux.array_r @ response for flux in self.boundaries.flux_vectors]))
+            outflows.append(self.boundaries.outflows(response))
         self.pressure, self.outflows = np.concatenate(pressure, axis=1), np.concatenate(outflows, axis=1)
 
-    def ffr_changes(self, document, tree, names, points_mm, radii_mm):
+    def ffr_changes(self, names, points_mm, radii_mm):
         """Change (o + m, k) of FFR by each load, at the mesh's outlets `names` (o), then at points_mm (m, 3).
 
-        At a point it is the change of a mean FFR, weighted over about the vessel's radius radii_mm (m,). Where the
-        inflow is given, the pressure at the inlet's centre is the denominator of FFR, and its change counts too.
-        document: of boundary.json; tree: without extensions.
+        At a point it is the change of a mean FFR, weighted over about the vessel's radius radii_mm (m,).
         """
         chosen = [self.boundaries.outlet_names.index(name) for name in names]
         means = self._averaging_matrix(points_mm, radii_mm)
         of_outlets = self.boundaries.resistance[chosen, None] * self.outflows[chosen]
-        found = np.concatenate([of_outlets, means @ self.pressure])
-        if document.get("inlet_flow_m3_per_s") is None:
-            return found / document["map_pa"]
-        at_inlet = self._averaging_matrix(tree.main.point(0.0)[None], np.array([tree.main.radius(0.0)]))
-        reference = (at_inlet @ self.flow_pressure)[0]
-        values = np.append(self.boundaries.pressures(self.flow_outflows)[chosen], means @ self.flow_pressure)
-        return (found - np.outer(values / reference, at_inlet @ self.pressure)) / reference
+        return np.concatenate([of_outlets, means @ self.pressure]) / self.boundaries.map_pa
 
     def _averaging_matrix(self, points_mm, radii_mm):
         """Sparse (m, q) matrix. Times a pressure (q,) it gives the mean pressures round points_mm (m, 3).
@@ -95,9 +83,8 @@ class ErrorField:
         """
         sampler, points = self.sampler, M_PER_MM * points_mm
         cell, lam, _ = sampler.locator.find(points)
-        nodes, cells = sampler.points, sampler.cells
-        field = 2, cells[:, :4], sampler.pressure[:, None], nodes, cells
-        smooth = Patches(nodes, cells).recover([field], cell)[0][cells[cell], 0]
+        nodes, cells = sampler.locator.nodes, sampler.locator.cells
+        smooth = Patches(nodes, cells).recover(2, cells[:, :4], sampler.pressure, nodes, cells, cell)[cells[cell]]
         return np.abs(np.einsum("mn,mn->m", tet10.basis(lam), smooth) - sampler(points)[1])
 
 
@@ -115,16 +102,19 @@ def solve_error_field(solved, document, tree):
     field = ErrorField(solved, scipy.sparse.hstack(loads, "csc"))
     on = [tree.project_probe(probe)[:2] for probe in document["probes"]]
     points = np.array([branch.point(s_mm) for branch, s_mm in on])
-    return field.ffr_changes(document, tree, [], points, np.array([branch.radius(s_mm) for branch, s_mm in on])), field
+    return field.ffr_changes([], points, np.array([branch.radius(s_mm) for branch, s_mm in on])), field
 
 
 def stretch_loads(problem, document, tree):
     """Sparse matrix (n, k) over W: column k is G_k of stretch k. problem: solvers.nonlinear.FlowProblem."""
     space = problem.space
     richer = spaces.LumenSpace(space.mesh, space.facet_tags, degree=space.degree + 1)
-    vector = richer_residual(problem, richer, document)
-    residual = vector.array.copy()
-    vector.destroy()
+    parts = ((space.V, space.v_map, richer.V, richer.v_map, 3), (space.Q, space.q_map, richer.Q, richer.q_map, 1))
+    interpolations, state = [], np.empty(richer.dofs)
+    for part, rows, rich, dofs, width in parts:
+        interpolations.append(compat.interpolation_matrix(part, rich))
+        state[dofs] = (interpolations[-1] @ problem.state.x.array[rows].reshape(-1, width)).ravel()
+    residual = richer_residual(problem, richer, state, document)
     residual[richer.wall_dofs] = residual[richer.inlet_dofs] = 0.0
     numbers = stretch_numbers(tree)
     stretch, count = numbers[tree.nearest(dof_points(richer) / M_PER_MM)[0]], numbers.max() + 1
@@ -132,13 +122,12 @@ def stretch_loads(problem, document, tree):
     corner = np.empty(len(space.q_map), int)
     corner[compat.cell_dofs(space.Q)] = cells[:, :4]
     found = scipy.sparse.csc_matrix((space.dofs, count))
-    parts = ((space.V, space.v_map, richer.V, richer.v_map, 3), (space.Q, space.q_map, richer.Q, richer.q_map, 1))
     fields, of_cells = [], (cells, cells[:, :4])
-    for k, (part, rows, rich, dofs, width) in enumerate(parts):
+    for k, (_, rows, rich, dofs, width) in enumerate(parts):
         loads, group = residual[dofs].reshape(-1, width), stretch[dofs[::width]]
         given = rich.tabulate_dof_coordinates(), compat.cell_dofs(rich), group
         fields.append((compat.degree(rich), of_cells[k], loads, *given))
-        transposed = compat.interpolation_matrix(part, rich).T
+        transposed = interpolations[k].T
         for c in range(width):
             by_group = scipy.sparse.csr_matrix((loads[:, c], (np.arange(len(loads)), group)), (len(loads), count))
             found -= _scatter_rows(transposed @ by_group, rows[c::width], space.dofs)
@@ -181,32 +170,15 @@ def _mass_matrix(space):
     return compat.to_csr(fem_petsc.assemble_matrix(compat.form(p * q * ufl.dx)))
 
 
-def interpolate_state(space, richer, values):
-    """Values (n,) of a state over W of `space`, interpolated to W of the LumenSpace `richer` on the same mesh."""
-    result = np.zeros(richer.dofs)
-    for source, target, of_source, of_target in (
-        (space.V, richer.V, space.v_map, richer.v_map),
-        (space.Q, richer.Q, space.q_map, richer.q_map),
-    ):
-        coarse, fine = fem.Function(source), fem.Function(target)
-        coarse.x.array[:] = values[of_source]
-        fine.interpolate(coarse)
-        result[of_target] = fine.x.array
-    return result
+def richer_residual(problem, richer, values, document):
+    """Momentum and continuity residual (n,) over W of the LumenSpace `richer`.
 
-
-def richer_residual(problem, richer, document):
-    """Momentum and continuity residual of the present flow, a PETSc vector over W of the LumenSpace `richer`."""
-    boundaries = problem.boundaries
+    values (n,): the present flow of the solvers.nonlinear.FlowProblem, interpolated to W of `richer`.
+    """
     state = fem.Function(richer.W)
-    state.x.array[:] = interpolate_state(problem.space, richer, problem.state.x.array)
+    state.x.array[:] = values
     weak = forms.from_document(richer, state, document, problem.settings)
     weak.artificial_viscosity.value = problem.artificial_viscosity
-    found = compat.new_vector(richer.W)
-    weak.assemble_residual(found)
-    outflows = boundaries.outflows(problem.state_vector())
-    for tag, pressure in zip(richer.outlet_tags, boundaries.pressures(outflows)):
-        flux = richer.flux_vector(tag)
-        found.axpy(pressure, flux)
-        flux.destroy()
-    return found
+    pressures = problem.boundaries.pressures(problem.boundaries.outflows(problem.state.x.array))
+    loads = [pressure * richer.flux_vector(tag) for tag, pressure in zip(richer.outlet_tags, pressures)]
+    return weak.assemble_residual() + sum(loads)

@@ -56,19 +56,17 @@ class FfrPlaces:
 
     def read_ffr(self, sampler, outflows):
         """FFR (o + m,) of a flow, by its sampler and its flows through the outlets (m3/s)."""
-        reference = ffr.reference_pa(self.case.document, self.tree, sampler)
-        ends = ffr.at_outlets(self.outlet_names, self.boundaries.pressures(outflows), self.case, sampler, reference)
+        ends = ffr.at_outlets(self.outlet_names, self.boundaries.pressures(outflows), self.case, sampler)
         points = self.points_mm[len(self.ends) :] * M_PER_MM
-        return np.concatenate([ends, sampler(points)[1] / reference])
+        return np.concatenate([ends, sampler(points)[1] / self.case.document["map_pa"]])
 
     def errors_by_field(self, field):
         """[error (o + m,) by the mesh, enlarged effect (o + m,) of the artificial viscosity] on FFR.
 
         The effect is multiplied by error_estimate.SAFETY_FACTOR. field: error_field.ErrorField.
         """
-        document = self.case.document
-        parts = field.ffr_changes(document, self.tree, self.outlet_names, self.points_mm, self.radii_mm)
-        at_points = field.interpolation_error_pa(self.points_mm) / ffr.reference_pa(document, self.tree, field.sampler)
+        parts = field.ffr_changes(self.outlet_names, self.points_mm, self.radii_mm)
+        at_points = field.interpolation_error_pa(self.points_mm) / self.case.document["map_pa"]
         mesh, count = error_estimate.error_of_parts(parts[:, :-1]), len(self.outlet_names)
         mesh[count:] += at_points
         artificial = error_estimate.SAFETY_FACTOR * np.abs(parts[:, -1])
@@ -79,13 +77,6 @@ class FfrPlaces:
         count = len(self.outlet_names)
         errors[self.ends] = errors[count : count + len(self.ends)]
         return np.delete(errors, count + np.arange(len(self.ends)))
-
-    def exact_outlets(self):
-        """Numbers of the outlets whose FFR has no error, because their pressure and the inlet's are both given."""
-        if self.case.document.get("inlet_flow_m3_per_s") is not None:
-            return []
-        resistance = dict(zip(self.boundaries.outlet_names, self.boundaries.resistance))
-        return [i for i, name in enumerate(self.outlet_names) if resistance[name] == 0 and i not in self.ends]
 
 
 def estimate_errors(solved, places):
@@ -103,6 +94,4 @@ def estimate_errors(solved, places):
         fine, coarse, share = basis.pair
         found.append(share * np.abs(places.read_ffr(*fine) - places.read_ffr(*coarse)))
         methods.append("two meshes")
-    errors = np.max(found, axis=0) + artificial
-    errors[places.exact_outlets()] = 0.0
-    return errors, ", ".join(methods)
+    return np.max(found, axis=0) + artificial, ", ".join(methods)

@@ -31,43 +31,26 @@ class Patches:
         corners, number = np.unique(self.corner, return_inverse=True)
         self.cells_at = _incidence(number.reshape(-1, 4), len(corners)).T.tocsr()  # (corners, cells)
 
-    def recover(self, fields, wanted=None):
-        """[recovered values (m, k) at the targets] of the given fields.
+    def recover(self, degree, sources, values, targets, cell_targets, wanted):
+        """Recovered values (m,) at the targets (m, 3) of the cells with the numbers `wanted`; other values are wrong.
 
-        fields: [(degree, sources (t, a), values (n, k), targets (m, 3), cell_targets (t, b))]. degree: of the
-        polynomials; sources: numbers of the nodes in each cell at which `values` are known; targets: points;
-        cell_targets: numbers of the targets in each cell. wanted: numbers of cells. If given, only the values at their
-        targets are right.
+        degree: of the polynomials; sources (t, a): numbers of the nodes in each cell at which `values` (n,) are known;
+        cell_targets (t, b): numbers of the targets in each cell.
         """
-        patches, found = self._patches_touching(wanted), []
-        for degree, sources, values, targets, cell_targets in fields:
-            width, entries, held = values.shape[1], [], 0
-            sums, counts = np.zeros((len(targets), width)), np.zeros(len(targets))
-            for patch_nodes, patch_targets in self._equal_patches(
-                patches, degree, sources, cell_targets, len(targets), width
-            ):
-                known, at_targets, inverse = _fit_patches(
-                    self.nodes[patch_nodes], targets[patch_targets], TERMS[degree]
-                )
-                fitted = at_targets @ (inverse @ (known.transpose(0, 2, 1) @ values[patch_nodes]))
-                entries.append((patch_targets.ravel(), fitted.reshape(-1, width)))
-                held += fitted.size
-                if held > LARGEST_BATCH:
-                    _add_entries(sums, counts, entries)
-                    entries, held = [], 0
-            _add_entries(sums, counts, entries)
-            found.append(sums / np.maximum(counts, 1)[:, None])
-        return found
+        one, own = np.ones((len(targets), 1)), np.arange(len(targets))  # a load and a group for each target
+        field = degree, sources, one, targets, cell_targets, own
+        ((recovery,),) = self.recover_transposed([field], len(targets), wanted)
+        return recovery.T @ values
 
-    def recover_transposed(self, fields, groups):
+    def recover_transposed(self, fields, groups, wanted=None):
         """The transpose of `recover`, applied to loads at the targets, for each group of targets by itself.
 
         fields: [(degree, sources (t, a), loads (m, c), targets (m, 3), cell_targets (t, b), group (m,))], as in
         `recover`; group: number of each target's group, below `groups`. The result is for each field a list over c of
         sparse matrices (n, groups). A column times nodal values (n,) is the sum, over the targets of that group, of
-        load times recovered value.
+        load times recovered value. wanted: numbers of cells. If given, only their targets count.
         """
-        patches, found = self._patches_touching(), []
+        patches, found = self._patches_touching(wanted), []
         for degree, sources, loads, targets, cell_targets, group in fields:
             components, entries = loads.shape[1], []
             shared = loads / self._patches_per_target(cell_targets, len(loads))[:, None]
@@ -88,9 +71,9 @@ class Patches:
             found.append(self._matrices(entries, groups, components))
         return found
 
-    def _patches_touching(self, wanted=None):
+    def _patches_touching(self, wanted):
         """Sparse (patches, cells) matrix: which cells each patch has. wanted: only patches with a cell that touches
-        one of these cells (numbers)."""
+        one of these cells (numbers); None for all patches."""
         patches = self.cells_at
         if wanted is not None:
             neighbours = np.isin(self.corner, self.corner[wanted]).any(axis=1)
@@ -141,19 +124,6 @@ class Patches:
         columns = np.concatenate([np.repeat(of_group, near.shape[1]) for near, of_group, _ in entries])
         values = np.concatenate([block.reshape(-1, components) for *_, block in entries])
         return [scipy.sparse.csr_matrix((one, (rows, columns)), size) for one in values.T]
-
-
-def _add_entries(sums, counts, entries):
-    """Adds entries [(row numbers (n,), values (n, k))] to the rows of sums (m, k), in place.
-
-    counts (m,) gets the number of values added to each row.
-    """
-    if not entries:
-        return
-    at, values = (np.concatenate(parts) for parts in zip(*entries))
-    pairs = at, np.arange(len(at))
-    sums += scipy.sparse.csr_matrix((np.ones(len(at)), pairs), (len(sums), len(at))) @ values
-    counts += np.bincount(at, minlength=len(counts))
 
 
 def _incidence(lists, count):

@@ -53,10 +53,13 @@ class Branch:
         k = int(np.argmin(gap))
         return float(self.s_mm[k] + t[k] * (self.s_mm[k + 1] - self.s_mm[k])), float(gap[k])
 
-    def outside(self, points, radii):
-        """Whether each of points (n, 3) is further than `radii` local radii from the axis, (n,) bool."""
-        found = [self.project(point) for point in points]
-        return np.array([distance > radii * self.radius(s) for s, distance in found])
+    def outside_parent(self, parent, radii):
+        """Which points (n,) bool of this side branch come after it has left its parent's lumen.
+
+        It has left when its axis is `radii` radii of the Branch `parent` from that branch's axis.
+        """
+        found = [parent.project(point) for point in self.points]
+        return np.logical_or.accumulate([distance > radii * parent.radius(s) for s, distance in found])
 
 
 class Tree:

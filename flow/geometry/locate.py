@@ -9,9 +9,10 @@ from scipy.spatial import cKDTree
 
 from flow.geometry import tet10
 
-CANDIDATE_CELLS = (
-    60  # number of cells by the nearest centroids, so many since cells may be several times longer than wide
-)
+# Numbers of cells, those with the nearest centroids, that are searched for a point: the few first. The many are for
+# points that are in none of these, since cells may be several times longer than wide, and for points outside.
+FEW_CELLS, MANY_CELLS = 8, 60
+POINTS_AT_ONCE = 20_000  # limits the memory
 TRIED_CELLS = 4  # number of these for which the curved coordinates are computed: the best ones as straight-edged cells
 NEWTON_STEPS = 3  # steps of Newton's method for the curved coordinates
 LARGEST_STEP = 0.5  # largest change of a barycentric coordinate in one of these steps
@@ -20,11 +21,14 @@ LEAST_COORDINATE = -0.25
 
 
 class Locator:
-    """Finds points in the cells of a quadratic mesh with nodes `points` (n, 3) and cells (t, 10), as geometry.tet10."""
+    """Finds the cell of a mesh of curved quadratic tetrahedra in which a point lies.
 
-    def __init__(self, points, cells):
-        self.nodes, self.cells = points, cells
-        corners = points[cells[:, :4]]
+    nodes (n, 3): of the mesh; cells (t, 10): their numbers, in the order of geometry.tet10.
+    """
+
+    def __init__(self, nodes, cells):
+        self.nodes, self.cells = nodes, cells
+        corners = nodes[cells[:, :4]]
         self.origin = corners[:, 0]
         self.inverse = np.linalg.inv(np.swapaxes(corners[:, 1:] - corners[:, :1], 1, 2))
         self.tree = cKDTree(corners.mean(axis=1))
@@ -34,7 +38,22 @@ class Locator:
 
         The coordinates of a point outside its cell are moved to the cell's surface.
         """
-        _, cell = self.tree.query(points, k=min(CANDIDATE_CELLS, len(self.origin)))
+        cell, lam = np.empty(len(points), int), np.full((len(points), 4), -np.inf)
+        for candidates in (FEW_CELLS, MANY_CELLS):
+            left = np.flatnonzero(lam.min(axis=1) < 0)
+            for first in range(0, len(left), POINTS_AT_ONCE):
+                part = left[first : first + POINTS_AT_ONCE]
+                cell[part], lam[part] = self._best_cells(points[part], candidates)
+        inside = lam.min(axis=1) > LEAST_COORDINATE
+        lam = np.maximum(lam, 0)
+        return cell, lam / lam.sum(axis=1, keepdims=True), inside
+
+    def _best_cells(self, points, candidates):
+        """(cell (m,), its barycentric coordinates (m, 4)) in which points (m, 3) lie, or are the least outside.
+
+        candidates: number of cells with the nearest centroids that are tried.
+        """
+        _, cell = self.tree.query(points, k=np.arange(1, min(candidates, len(self.origin)) + 1))
         offset = points[:, None, :] - self.origin[cell]
         lam = _all_coordinates(np.einsum("mkij,mkj->mki", self.inverse[cell], offset))
         best = np.argsort(-lam.min(axis=2), axis=1, kind="stable")[:, :TRIED_CELLS]
@@ -42,10 +61,7 @@ class Locator:
         cell, lam = cell[rows[:, None], best], lam[rows[:, None], best]
         lam = self._curved_coordinates(points, cell, lam)
         best = np.argmax(lam.min(axis=2), axis=1)
-        cell, lam = cell[rows, best], lam[rows, best]
-        inside = lam.min(axis=1) > LEAST_COORDINATE
-        lam = np.maximum(lam, 0)
-        return cell, lam / lam.sum(axis=1, keepdims=True), inside
+        return cell[rows, best], lam[rows, best]
 
     def _curved_coordinates(self, points, cell, lam):
         """Barycentric coordinates (m, k, 4) of points (m, 3) in the curved cells `cell` (m, k), by Newton's method.
@@ -71,24 +87,17 @@ def _all_coordinates(lam):
 
 
 class FieldSampler:
-    """Velocity and pressure of a flow at points, in SI units.
+    """Velocity and pressure of a flow at points, in the unit of the nodes of `locator` (Locator).
 
-    space: discretisation.spaces.LumenSpace; state (n,): velocity and pressure dofs over its mixed space W.
+    velocity (n, 3) in m/s and pressure (n,) in Pa are the values at these nodes.
     """
 
-    def __init__(self, space, state):
-        self.points, self.cells = space.nodes()
-        self.locator = Locator(self.points, self.cells)
-        self.set_state(space, state)
-
-    def set_state(self, space, state):
-        """Takes another state (n,) over the same space."""
-        self.velocity = state[space.v_map].reshape(-1, 3)
-        self.pressure = space.nodal_pressure(state)
+    def __init__(self, locator, velocity, pressure):
+        self.locator, self.velocity, self.pressure = locator, velocity, pressure
 
     def __call__(self, points):
-        """(velocity (m, 3) in m/s, pressure (m,) in Pa, inside (m,) bool) at points (m, 3) in m."""
+        """(velocity (m, 3) in m/s, pressure (m,) in Pa, inside (m,) bool) at points (m, 3)."""
         cell, lam, inside = self.locator.find(points)
-        velocity = np.einsum("mn,mnd->md", tet10.basis(lam), self.velocity[self.cells[cell]])
-        pressure = np.einsum("mn,mn->m", lam, self.pressure[self.cells[cell][:, :4]])
-        return velocity, pressure, inside
+        nodes = self.locator.cells[cell]
+        velocity = np.einsum("mn,mnd->md", tet10.basis(lam), self.velocity[nodes])
+        return velocity, np.einsum("mn,mn->m", lam, self.pressure[nodes[:, :4]]), inside

@@ -11,13 +11,12 @@ for all states of a patient.
 """
 
 import math
-import sys
 
 from common.documents import json_reader, schema
 from common.errors import InputError
-from flow.inputs import hyperaemia, lumen_summary, wire
+from flow.inputs import hyperaemia, wire
 from flow.physics import viscosity
-from flow.physics.units import M3_PER_S_PER_ML_PER_MIN, PA_PER_MMHG
+from flow.physics.units import PA_PER_MMHG
 
 ROUNDING_MM = 1e-6  # a probe's distance that is too short by less than this gets no warning
 # Largest ratio of R_i Q_i to MAP - P_v, and of MAP - P_v to R_i Q_i. Beyond it R_i has other units or is another
@@ -56,9 +55,9 @@ def split_by_diameter(diameters_mm, exponent):
 def make(anatomy, centreline, patient, settings, measured=None, with_range=False):
     """The document of boundary.json.
 
-    anatomy: document of anatomy.json; centreline: geometry.centreline.Tree; patient: section `patient` of a case file;
-    measured: section `measured` of a case file with the place of its pressure wire, or None; with_range: whether the
-    document gets `plausible_flows`. Raises InputError.
+    anatomy: document of anatomy.json, from inputs.lumen_summary; centreline: geometry.centreline.Tree; patient: section
+    `patient` of a case file; measured: section `measured` of a case file with the place of its pressure wire, or None;
+    with_range: whether the document gets `plausible_flows`. Raises InputError.
     """
     map_pa = mean_arterial_pressure_mmhg(patient["sbp_mmhg"], patient["dbp_mmhg"]) * PA_PER_MMHG
     venous_pa = settings.venous_pressure_mmhg * PA_PER_MMHG
@@ -68,7 +67,6 @@ def make(anatomy, centreline, patient, settings, measured=None, with_range=False
         )
     source = hyperaemia.flow_source(patient, settings.hyperaemia_fraction)
     q_hyp = source.pop("flow_m3_per_s")
-    lumen_summary.check(anatomy, "anatomy.json", "ends")
     ends = [end for end in anatomy["ends"] if end["kind"] == "outlet"]
     if not ends:
         raise InputError("no outlet", "anatomy.json ends", "[]", "process the lumen surface again")
@@ -85,11 +83,6 @@ def make(anatomy, centreline, patient, settings, measured=None, with_range=False
         }
         for end, fraction in zip(ends, fractions)
     ]
-    if settings.outlet_condition == "pressure":
-        for outlet in outlets:
-            pressure = settings.outlet_pressure_mmhg * PA_PER_MMHG
-            outlet.update(resistance_pa_s_per_m3=0.0, pressure_pa=pressure)
-    inlet_flow = settings.inlet_flow_ml_per_min * M3_PER_S_PER_ML_PER_MIN
     probe_places = probes(anatomy, centreline, settings.probe_distance_mm)
     warnings = patient_warnings(patient, measured, settings.hyperaemia_fraction) + probe_distance_warnings(
         probe_places, settings.probe_distance_mm
@@ -99,7 +92,6 @@ def make(anatomy, centreline, patient, settings, measured=None, with_range=False
         warnings += wire.upstream_warnings(probe_places[-1], anatomy)
     document = {
         "schema": "vci-boundary-1",
-        "inlet_flow_m3_per_s": inlet_flow if settings.inlet_condition == "flow" else None,
         "map_pa": map_pa,
         "venous_pressure_pa": venous_pa,
         "density_kg_per_m3": settings.density_kg_per_m3,
@@ -109,7 +101,7 @@ def make(anatomy, centreline, patient, settings, measured=None, with_range=False
         "flow_source": source,
         "outlets": outlets,
         "probes": probe_places,
-        "warnings": print_warnings(warnings),
+        "warnings": warnings,
     }
     if with_range:
         document["plausible_flows"] = hyperaemia.plausible_flows(patient, settings.hyperaemia_fraction)
@@ -120,13 +112,6 @@ def make(anatomy, centreline, patient, settings, measured=None, with_range=False
 def patient_warnings(patient, measured, hyperaemia_fraction=None):
     """[warning] on values of a patient that are unusual, but can be used. patient, measured: as in `make`."""
     return hyperaemia.flow_warnings(patient, hyperaemia_fraction) + wire.ffr_warnings(measured or {})
-
-
-def print_warnings(warnings):
-    """Prints the warnings [str], and returns them."""
-    for one in warnings:
-        print(one, file=sys.stderr, flush=True)
-    return warnings
 
 
 def probes(anatomy, centreline, distance_mm):
@@ -180,8 +165,7 @@ def check(document, where="boundary.json", branches=None):
     given = json_reader.Document(where, document)
     given.check_finite()
     schema.validate(given, schema.read("boundary"))
-    viscosity.from_document(document, where)
-    _check_pressures(document, where)
+    _check_values(document, where)
     first = document["probes"][0]["name"]
     if first != "distal":
         remedy = "let the one whose FFR is the answer be the first, named distal"
@@ -190,14 +174,6 @@ def check(document, where="boundary.json", branches=None):
         for key in keys:
             _check_distinct(document[group], f"{where}: {group}", key)
     for one in document["outlets"]:
-        resistance = one["resistance_pa_s_per_m3"]
-        if not (resistance > 0 or (resistance == 0 and "pressure_pa" in one)):
-            raise InputError(
-                "outlet resistance is not positive",
-                f"{where}: {one['name']}",
-                resistance,
-                "R_i = (MAP - P_v) / Q_i in Pa s/m3, or 0 with pressure_pa",
-            )
         _check_flow(one, document, where)
     for one in document["outlets"] + document["probes"] if branches is not None else ():
         if one["branch"] not in branches:
@@ -205,26 +181,21 @@ def check(document, where="boundary.json", branches=None):
             raise InputError("no such branch", f"{where}: {one['name']}", one["branch"], remedy)
 
 
-def _check_pressures(document, where):
-    """Raises InputError unless P_v is below MAP. Unless the inflow is given, given outlet pressures must be too."""
-    map_pa, remedy = document["map_pa"], f"below map_pa, which is {document['map_pa']:g}, in Pa"
-    if document["venous_pressure_pa"] >= map_pa:
-        place = f"{where}: venous_pressure_pa"
-        raise InputError("venous pressure is not below MAP", place, document["venous_pressure_pa"], remedy)
-    for one in document["outlets"] if document.get("inlet_flow_m3_per_s") is None else ():
-        if one.get("pressure_pa", 0.0) >= map_pa:
-            place = f"{where}: {one['name']} pressure_pa"
-            raise InputError("pressure at an outlet is not below MAP", place, one["pressure_pa"], remedy)
+def _check_values(document, where):
+    """Raises InputError unless P_v is below MAP, and viscosity at high shear rates not above that at rest."""
+    map_pa, venous_pa = document["map_pa"], document["venous_pressure_pa"]
+    if venous_pa >= map_pa:
+        remedy = f"below map_pa, which is {map_pa:g}, in Pa"
+        raise InputError("venous pressure is not below MAP", f"{where}: venous_pressure_pa", venous_pa, remedy)
+    fluid = document.get("viscosity")
+    if fluid and fluid["infinite_shear_pa_s"] > fluid["zero_shear_pa_s"]:
+        value = f"{fluid['infinite_shear_pa_s']}, {fluid['zero_shear_pa_s']}"
+        remedy = "give infinite_shear_pa_s <= zero_shear_pa_s"
+        raise InputError("viscosities out of order", f"{where}: viscosity", value, remedy)
 
 
 def _check_flow(outlet, document, where):
-    """Raises InputError unless an outlet's resistance times its planned flow is MAP - P_v within LARGEST_FLOW_RATIO.
-
-    This is checked only with the inlet at MAP and P_v behind the outlet. Benchmarks may give an outlet's pressure or
-    the inflow instead.
-    """
-    if outlet.get("pressure_pa") is not None or document.get("inlet_flow_m3_per_s") is not None:
-        return
+    """Raises InputError unless an outlet's resistance times its planned flow is MAP - P_v within LARGEST_FLOW_RATIO."""
     pressure, given = document["map_pa"] - document["venous_pressure_pa"], outlet["resistance_pa_s_per_m3"]
     if not 1 / LARGEST_FLOW_RATIO <= given * outlet["flow_m3_per_s"] / pressure <= LARGEST_FLOW_RATIO:
         value = f"{given:.4g} Pa s/m3, with the planned flow of {outlet['flow_m3_per_s']:.4g} m3/s it should be about"

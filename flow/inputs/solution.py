@@ -18,17 +18,13 @@ LARGEST_VELOCITY_FACTOR = 2.0  # limit of the factor by which a velocity is chan
 
 @dataclasses.dataclass
 class StartState:
-    """A solved state of the vessel: nodes (n, 3) in mm and cells (m, 10) of its mesh, with the flow at the nodes.
+    """A solved state of the vessel: the locate.FieldSampler of its flow at points in mm, and the inflow in m3/s.
 
-    velocity (n, 3) in m/s, pressure (n,) in Pa, inflow in m3/s; artificial_viscosity: its eps; mesh_name: name
-    of the mesh file that answered; to_other_lumen: geometry.correspondence.Correspondence from the lumen to be solved
-    to that of this state.
+    artificial_viscosity: its eps; mesh_name: name of the mesh file that answered; to_other_lumen:
+    geometry.correspondence.Correspondence from the lumen to be solved to that of this state.
     """
 
-    nodes_mm: np.ndarray
-    cells: np.ndarray
-    velocity: np.ndarray
-    pressure: np.ndarray
+    sampler: locate.FieldSampler
     inflow: float
     artificial_viscosity: float
     mesh_name: str
@@ -42,14 +38,9 @@ class StartState:
         LARGEST_VELOCITY_FACTOR, and at least its inverse.
         """
         other_points, rotations, radius_ratio = self.to_other_lumen(points / M_PER_MM)
-        cell, lam, _ = locate.Locator(self.nodes_mm, self.cells).find(other_points)
-        weights, nodes = tet10.basis(lam), self.cells[cell]
-        velocity = np.einsum("mn,mnd->md", weights, self.velocity[nodes])
-        velocity = (
-            np.einsum("nji,nj->ni", rotations, velocity)
-            * np.clip(radius_ratio**2, 1 / LARGEST_VELOCITY_FACTOR, LARGEST_VELOCITY_FACTOR)[:, None]
-        )
-        return velocity, np.einsum("mn,mn->m", weights, self.pressure[nodes])
+        velocity, pressure, _ = self.sampler(other_points)
+        factor = np.clip(radius_ratio**2, 1 / LARGEST_VELOCITY_FACTOR, LARGEST_VELOCITY_FACTOR)
+        return factor[:, None] * np.einsum("nji,nj->ni", rotations, velocity), pressure
 
 
 def read(folder, tree, other):
@@ -79,6 +70,6 @@ def read(folder, tree, other):
     cells = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 10)[:, tet10.VTK_ORDER].astype(int)
     points = vtk_to_numpy(grid.GetPoints().GetData()).astype(float)
     fields = [vtk_to_numpy(values[name]).astype(float) for name in values]
-    inflow, artificial_viscosity = document["inlet_flow_m3_per_s"], document["artificial_viscosity"]
-    to_other_lumen = correspondence.Correspondence(tree, other)
-    return StartState(points, cells, *fields, inflow, artificial_viscosity, document["mesh"], to_other_lumen)
+    sampler = locate.FieldSampler(locate.Locator(points, cells), *fields)
+    described = [document[key] for key in ("inlet_flow_m3_per_s", "artificial_viscosity", "mesh")]
+    return StartState(sampler, *described, correspondence.Correspondence(tree, other))

@@ -13,7 +13,6 @@ import dataclasses
 
 import numpy as np
 
-from flow.geometry import vectors
 from flow.geometry.centreline import Branch, Tree
 from flow.geometry.surface import INLET, WALL, Surface, border_edges
 from flow.meshing.sweep import spans, stations
@@ -43,12 +42,13 @@ class Extension:
 
 def find_extensions(surface, tree, settings):
     """[Extension] for the caps that lie too close to a narrowing, or for which the settings give a length."""
-    found = []
+    found, circles = [], surface.cap_circles()
     for axis in spans.branch_axes(surface, tree).values():
         for cap, at_end in zip(axis.cap_ids, (False, True)):
             if cap is None:
                 continue
-            normal, diameter = _cap_geometry(surface, cap)
+            _, normal, radius = circles[cap]
+            diameter = 2.0 * radius
             clearance = settings.outlet_clearance_diameters if at_end else settings.inlet_clearance_diameters
             missing, distance = _missing_clearance(axis.branch, at_end, clearance * diameter)
             asked = settings.outlet_extension_diameters * diameter if at_end else 0.0
@@ -109,17 +109,10 @@ def extend_tree(tree, extensions):
     return Tree(list(branches.values()))
 
 
-def _cap_geometry(surface, cap):
-    """(outward unit normal (3,), diameter in mm of the circle of its area) of the cap with region id `cap`."""
-    vector = surface.area_vectors()[surface.region == cap].sum(axis=0)
-    area = float(vectors.length(vector))
-    return vector / area, 2.0 * np.sqrt(area / np.pi)
-
-
 def _extend_cap(surface, cap, length):
     """The Surface with the cap of region id `cap` moved out by `length` mm, and new wall between."""
     in_cap = surface.region == cap
-    normal, _ = _cap_geometry(surface, cap)
+    _, normal, _ = surface.cap_circles()[cap]
     rim = border_edges(surface.triangles[in_cap])
     spacing = np.linalg.norm(surface.points[rim[:, 1]] - surface.points[rim[:, 0]], axis=1).mean()
     layers = max(1, round(length / spacing))

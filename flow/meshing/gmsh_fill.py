@@ -14,7 +14,7 @@ DELAUNAY = 1  # gmsh's number of the algorithm
 OPTIMISE_PASSES = 2  # value of gmsh's option Mesh.Optimize
 
 
-def _structured_field(path, origin, spacing, shape, values):
+def _write_structured_field(path, origin, spacing, shape, values):
     """Writes gmsh's binary structured grid: origin, spacings (doubles), counts (ints), values with z running fastest.
 
     origin (3,) and spacing in mm; shape (3,): numbers of nodes; values: cell sizes in mm at the nodes.
@@ -31,7 +31,7 @@ def main():
     import gmsh
 
     data = np.load(SURFACE)
-    _structured_field(FIELD, data["origin"], float(data["spacing"]), data["shape"], data["values"])
+    _write_structured_field(FIELD, data["origin"], float(data["spacing"]), data["shape"], data["values"])
     gmsh.initialize(["gmsh"], False)
     options = {
         "General.Verbosity": 2,

@@ -15,8 +15,6 @@ from flow.geometry.tags import PHYSICAL_VOLUME, physical_tag
 from flow.geometry.tet10 import LEAST_JACOBIAN_RATIO, count_overlapping
 from flow.meshing import extension, hybrid, size_field, volume_mesh
 
-SIZE_FACTORS = (1.0, 1.1, 0.9, 0.8)  # factors on the coarse mesh's cells per radius, tried in turn
-
 
 def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0):
     """(curving.QuadraticMesh, report) of the lumen, by the first of ATTEMPTS whose cells are good enough to solve on.
@@ -65,39 +63,27 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
     return mesh, report
 
 
-def build_coarser(fine, surface, tree, cells_per_radius, settings, rings, coarsening):
-    """As `build`, but with fewer cells than `fine`. (None, report) if no factor of SIZE_FACTORS gives fewer.
-
-    A mesh that cannot be swept has isotropic tetrahedra. They may be more numerous than those of a finer, swept mesh.
-    """
-    least = math.inf
-    for factor in SIZE_FACTORS:
-        built, report = build(surface, tree, factor * cells_per_radius, settings, rings, coarsening)
-        if report["cells"] < fine:
-            return built, report
-        least = min(least, report["cells"])
-        print(f"{report['cells']} cells, not fewer than {fine}: another size is tried", file=sys.stderr, flush=True)
-    print(f"the coarse mesh of {rings} rings is left out", file=sys.stderr, flush=True)
-    return None, {"rings": rings, "cells": least, "not_fewer_than": fine}
-
-
 def build_sequence(paths, surface, tree, settings, report):
     """Makes the meshes of a lumen: [(QuadraticMesh or None, its part of `report`, path)], the finest first.
 
-    paths: [(path, rings)], the coarsest first. A mesh that would have no fewer cells than the next finer one is left
-    out: None. `report`, the document of mesh.json, gets the finest mesh's figures, and the lists `coarse` and
-    `left_out` of the others, the coarsest first. Raises ComputationError.
+    paths: [(path, rings)], the coarsest first. A mesh with no fewer cells than the next finer one is left out: None. A
+    mesh that cannot be swept has isotropic tetrahedra, which may be more numerous than those of a finer, swept mesh.
+    `report`, the document of mesh.json, gets the finest mesh's figures, and the lists `coarse` and `left_out` of the
+    others, the coarsest first. Raises ComputationError.
     """
-    (*coarse, (path, rings)) = paths
-    built, figures = build(surface, tree, settings.cells_per_radius, settings, rings, 1.0)
-    report.update(figures)
-    meshes, fine = [(built, report, path)], figures["cells"]
-    for path, coarse_rings in reversed(coarse):
-        built, part = build_coarser(
-            fine, surface, tree, settings.coarse_cells_per_radius, settings, coarse_rings, rings / coarse_rings
-        )
-        meshes.append((built, part if built else {"file": pathlib.Path(path).name, **part}, path))
-        fine = part["cells"] if built else fine
+    meshes, fewest = [], math.inf
+    for path, rings in reversed(paths):
+        size = settings.cells_per_radius if rings == settings.rings else settings.coarse_cells_per_radius
+        built, part = build(surface, tree, size, settings, rings, settings.rings / rings)
+        if part["cells"] >= fewest:
+            print(f"the mesh of {rings} rings is left out: it is not coarser", file=sys.stderr, flush=True)
+            name = pathlib.Path(path).name
+            built, part = None, {"file": name, "rings": rings, "cells": part["cells"], "not_fewer_than": fewest}
+        elif not meshes:
+            report.update(part)
+            part = report
+        meshes.append((built, part, path))
+        fewest = min(fewest, part["cells"])
     for key, was_built in (("coarse", True), ("left_out", False)):
         parts = [part for built, part, _ in meshes[:0:-1] if bool(built) == was_built]
         report.update({key: parts} if parts else {})
@@ -109,11 +95,9 @@ def build_coarsest(paths, surface, tree, settings, report):
 
     It serves to show the fields of a reduced model.
     """
-    (*others, (path, rings)), coarse_rings = paths, paths[0][1]
-    cells_per_radius = settings.coarse_cells_per_radius if others else settings.cells_per_radius
-    built, figures = build(surface, tree, cells_per_radius, settings, coarse_rings, rings / coarse_rings)
-    report.update(figures)
-    return [(built, report, path), *((None, {}, other) for other, _ in others)]
+    (*others, (path, _)), coarse_rings = paths, paths[0][1]
+    coarsest = build_sequence([(path, coarse_rings)], surface, tree, settings, report)
+    return [*coarsest, *((None, {}, other) for other, _ in others)]
 
 
 def _layer_warning(settings):

@@ -20,8 +20,8 @@ def balance(problem):
     forms, boundaries = problem.forms, problem.boundaries
     power = forms.integral
     lost = {f"{name}_w": power(ufl.action(form, problem.state)) for name, form in forms.losses.items()}
-    outflows = boundaries.outflows(problem.state_vector())
-    problem.residual_norm()  # sets mean_inlet_pressure
+    outflows = boundaries.outflows(problem.state.x.array)
+    problem.residual()  # sets mean_inlet_pressure
     pressure_in = problem.mean_inlet_pressure * problem.inflow
     inlet = pressure_in - power(forms.kinetic_energy_flow(PHYSICAL_INLET))
     outlets = float(boundaries.pressures(outflows) @ outflows) + power(

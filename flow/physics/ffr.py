@@ -1,16 +1,12 @@
 """FFR of a solved flow: at the probes, along every branch, at the outlets.
 
-FFR = p / MAP. Where the inflow is given instead of MAP, the pressure at the inlet's centre takes the place of MAP.
-A sampler is a geometry.locate.FieldSampler, or a reduced.answer.Sampler for a reduced model.
+FFR = p / MAP. A sampler is a geometry.locate.FieldSampler, or a reduced.answer.Sampler for a reduced model.
 """
-
-import sys
 
 import numpy as np
 import pandas as pd
 
-from common.errors import ComputationError, InputError
-from flow.geometry import locate
+from common.errors import InputError
 from flow.physics.units import M_PER_MM
 
 PULLBACK_SPACING_MM = 0.5  # distance of the points of the pull-back along a branch
@@ -27,16 +23,6 @@ WARNED_DISTANCE_RADII = (
 )
 
 
-def reference_pa(document, tree, sampler):
-    """The denominator of FFR in Pa: MAP, or with a given inflow the pressure at the inlet's centre.
-
-    document: of boundary.json; tree: geometry.centreline.Tree without extensions.
-    """
-    if document.get("inlet_flow_m3_per_s") is None:
-        return document["map_pa"]
-    return float(sampler(tree.main.point(0.0)[None] * M_PER_MM)[1][0])
-
-
 def pullback_places(branch):
     """Arc lengths s_mm (n,) of the points of the pull-back along a branch."""
     return np.linspace(0, branch.length_mm, max(2, int(round(branch.length_mm / PULLBACK_SPACING_MM)) + 1))
@@ -50,8 +36,8 @@ def pressure_along(branch, sampler):
     return s[inside], points[inside], pressure[inside]
 
 
-def pullback(tree, sampler, reference, flow_at):
-    """Table of pullback.csv. reference: in Pa, from `reference_pa`; flow_at(branch name, s_mm) -> flow in m3/s."""
+def pullback(tree, sampler, map_pa, flow_at):
+    """Table of pullback.csv. flow_at(branch name, s_mm) -> flow in m3/s."""
     tables = []
     for branch in tree:
         s, points, pressure = pressure_along(branch, sampler)
@@ -65,7 +51,7 @@ def pullback(tree, sampler, reference, flow_at):
                     "y_mm": points[:, 1],
                     "z_mm": points[:, 2],
                     "pressure_pa": pressure,
-                    "ffr": pressure / reference,
+                    "ffr": pressure / map_pa,
                     "flow_m3_per_s": [flow_at(branch.name, x) for x in s],
                 }
             )
@@ -105,7 +91,7 @@ def check_inside(probes, tree, space):
     """
     projected = [_project_probe(probe, tree) for probe in probes]
     places = np.array([branch.point(s_mm) for branch, s_mm, _ in projected])
-    _, _, inside = locate.Locator(*space.nodes()).find(places * M_PER_MM)
+    _, _, inside = space.locator.find(places * M_PER_MM)
     for probe, place, found in zip(probes, places, inside):
         if not found:
             value, remedy = f"{place.round(3).tolist()} mm", "give the centreline of the mesh's lumen"
@@ -115,17 +101,13 @@ def check_inside(probes, tree, space):
 def at_probes(document, tree, sampler):
     """[{name, branch, s_mm, point_mm, shift_mm, ffr}] of the probes, moved to this state's centreline.
 
-    document: of boundary.json, whose first probe is `distal`. Raises ComputationError for a probe outside the mesh.
+    document: of boundary.json, whose first probe is `distal`.
     """
-    found, reference = [], reference_pa(document, tree, sampler)
+    found = []
     for probe in document["probes"]:
         branch, s_mm, shift = _project_probe(probe, tree)
         point = branch.point(s_mm)
-        _, pressure, inside = sampler(point[None] * M_PER_MM)
-        if not inside[0]:
-            raise ComputationError(
-                "probe lies outside the mesh", f"probe {probe['name']}", point.tolist(), "check the centreline"
-            )
+        _, pressure, _ = sampler(point[None] * M_PER_MM)
         found.append(
             {
                 "name": probe["name"],
@@ -133,13 +115,13 @@ def at_probes(document, tree, sampler):
                 "s_mm": s_mm,
                 "point_mm": point.tolist(),
                 "shift_mm": shift,
-                "ffr": float(pressure[0] / reference),
+                "ffr": float(pressure[0] / document["map_pa"]),
             }
         )
     return found
 
 
-def at_outlets(names, pressures, case, sampler, reference):
+def at_outlets(names, pressures, case, sampler):
     """[FFR] at the outlets `names`. pressures: in Pa at the mesh's outlets; case: reduced.extended.ExtendedLumen.
 
     At an outlet with an extension, FFR is read where the vessel ends without it.
@@ -151,12 +133,12 @@ def at_outlets(names, pressures, case, sampler, reference):
         if name in ends:
             branch = case.original_tree[ends[name]]
             pressure = sampler(branch.point(branch.length_mm)[None] * M_PER_MM)[1][0]
-        found.append(float(pressure / reference))
+        found.append(float(pressure / case.document["map_pa"]))
     return found
 
 
 def displacement_warnings(probes, tree, table):
-    """Warnings, printed too, that the centreline may be another lumen's.
+    """Warnings that the centreline may be another lumen's.
 
     They name probes (entries of `at_probes`) that were moved by more than WARNED_DISTANCE_RADII, and branches that
     leave the mesh. table: that of `pullback`.
@@ -176,13 +158,11 @@ def displacement_warnings(probes, tree, table):
                 f"{wanted - inside} of {wanted} points of the centreline of {branch.name} lie outside the mesh and are"
                 " left out of pullback.csv; is it the centreline of this lumen?"
             )
-    for warning in found:
-        print(warning, file=sys.stderr, flush=True)
     return found
 
 
 def slope_warnings(probes, table):
-    """Warnings, printed too: one for each probe at which FFR rises by more than LARGEST_SLOPE_PER_MM along the vessel.
+    """Warnings, one for each probe at which FFR rises by more than LARGEST_SLOPE_PER_MM along the vessel.
 
     probes: entries of `at_probes`; table: that of `pullback`. FFR rises behind a narrowing until the jet has
     reattached, and where a side branch takes flow.
@@ -196,5 +176,4 @@ def slope_warnings(probes, table):
                 f"FFR at the probe {probe['name']} depends on its place: it still rises by {slope:.4f} a mm, as behind"
                 " a narrowing whose jet has not reattached; a probe further on reads more"
             )
-            print(found[-1], file=sys.stderr, flush=True)
     return found

@@ -1,8 +1,6 @@
 """Conditions at inlet and outlets: the mean inlet pressure is MAP, and each outlet has a resistance.
 
-The inflow and the outlet pressures are unknowns of the same nonlinear system as the flow. Instead of MAP the inflow may
-be given (`inlet_flow_m3_per_s` of boundary.json). Instead of a resistance an outlet may have a given pressure
-(`pressure_pa`, in place of P_v and with resistance 0).
+The inflow and the outlet pressures are unknowns of the same nonlinear system as the flow.
 """
 
 import numpy as np
@@ -32,9 +30,8 @@ def check_outlet_places(space, document, tree, where):
 class Boundaries:
     """The conditions of boundary.json's document at inlet and outlets of a LumenSpace, in SI units.
 
-    profile: Function on the mixed space W, the velocity g of an inflow of 1 m3/s; flux: [vector over W whose product
-    with a state is the flow through outlet i]; inflow: the given flow, or None if the inlet is at MAP. The outlet
-    pressures are P_i = downstream[i] + resistance[i] Q_i.
+    The outlet pressures are P_i = P_v + resistance[i] Q_i. profile (n,): the velocity g over W of an inflow of 1 m3/s;
+    flux (o, n): its product with a state gives the flows through the o outlets.
     """
 
     def __init__(self, space, document):
@@ -47,52 +44,32 @@ class Boundaries:
             )
         self.outlet_names = [outlets[tag]["name"] for tag in space.outlet_tags]
         self.full_resistance = np.array([outlets[tag]["resistance_pa_s_per_m3"] for tag in space.outlet_tags])
-        self.map_pa = document["map_pa"]
-        venous = document["venous_pressure_pa"]
-        self.full_downstream = np.array([outlets[tag].get("pressure_pa", venous) for tag in space.outlet_tags])
-        self.full_inflow = document.get("inlet_flow_m3_per_s")
+        self.map_pa, self.venous_pa = document["map_pa"], document["venous_pressure_pa"]
         self.profile = space.inlet_profile()
-        self.flux_vectors = [space.flux_vector(tag) for tag in space.outlet_tags]
+        self.flux = np.array([space.flux_vector(tag) for tag in space.outlet_tags])
         self.inlet_area = space.area(PHYSICAL_INLET)
         self.set_full_flow()
 
     def set_full_flow(self):
         """Sets the conditions of boundary.json, also after `set_flow_fraction` has changed them."""
-        self.resistance, self.downstream = self.full_resistance.copy(), self.full_downstream.copy()
-        self.inflow = self.full_inflow
+        self.resistance = self.full_resistance
 
     def set_flow_fraction(self, fraction, resistances_at):
-        """Sets conditions under which about `fraction` of the full flow passes.
+        """Sets outlet resistances under which about `fraction` of the full flow passes.
 
-        resistances_at(fraction) -> outlet resistances (n,) in Pa s/m3, used if the inlet is at MAP and every outlet has
-        a resistance.
+        resistances_at(fraction) -> (n,) in Pa s/m3.
         """
-        self.set_full_flow()
-        if self.inflow is not None:
-            self.inflow *= fraction
-        elif (self.resistance > 0).all():
-            self.resistance = resistances_at(fraction)
-        else:
-            self.resistance /= fraction
-            self.downstream = self.map_pa - fraction * (self.map_pa - self.downstream)
+        self.resistance = resistances_at(fraction)
 
-    def pressure_load(self, columns):
-        """Norm in N of the pressure load at rest: MAP on the inlet, P_v or the given pressure on the outlets.
+    def pressure_load(self):
+        """Norm in N of the pressure load at rest, MAP on the inlet and P_v on the outlets: the scale of residuals."""
+        of_outlets = np.linalg.norm(self.flux[:, self.space.free_dofs], axis=1) * self.venous_pa
+        return float(np.linalg.norm([*of_outlets, self.map_pa * self.inlet_area]))
 
-        columns: [flux vector of outlet i, at the free dofs]. Residuals are compared with this load.
-        """
-        parts = [column.norm() * pressure for column, pressure in zip(columns, self.downstream)]
-        return float(np.linalg.norm(parts + [self.map_pa * self.inlet_area]))
-
-    def outflows(self, vector):
-        """Flow (n,) in m3/s through the outlets; vector: PETSc vector of a state over W."""
-        return np.array([flux.dot(vector) for flux in self.flux_vectors])
+    def outflows(self, state):
+        """Flow (o,) in m3/s through the outlets at a state (n,) over W."""
+        return self.flux @ state
 
     def pressures(self, outflows):
-        """Outlet pressures P_i (n,) in Pa at outflows (n,) in m3/s."""
-        return self.downstream + self.resistance * outflows
-
-    def destroy(self):
-        """Frees PETSc's memory."""
-        for vector in self.flux_vectors:
-            vector.destroy()
+        """Outlet pressures P_i (o,) in Pa at outflows (o,) in m3/s."""
+        return self.venous_pa + self.resistance * outflows

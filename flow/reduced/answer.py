@@ -1,7 +1,5 @@
 """The answer of a reduced model alone (setting `model`). It fills the same output files as a 3D solve."""
 
-import sys
-
 import numpy as np
 
 from common.errors import ComputationError
@@ -29,11 +27,9 @@ MEASURED_ERROR_WORDS = {
 
 
 def unknown_error_warning(model):
-    """[warning], printed too, that the error of this FFR is not known. It quotes the model's error in other lumens."""
+    """[warning] that the error of this FFR is not known. It quotes the model's error in other lumens."""
     trees = f"up to {max(ERROR_IN_OTHER_PATIENTS[model]):.2f} above the 3D model in trees, which bend and branch"
-    warning = f"the error of this FFR is not known; the {model} model was {MEASURED_ERROR_WORDS[model]}, and {trees}"
-    print(warning, file=sys.stderr, flush=True)
-    return [warning]
+    return [f"the error of this FFR is not known; the {model} model was {MEASURED_ERROR_WORDS[model]}, and {trees}"]
 
 
 class Sampler:

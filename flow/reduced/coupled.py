@@ -41,7 +41,7 @@ class Predictor:
     def __init__(self, network, tree, document, settings, coupled=True):
         self.network, self.tree, self.document = network, tree, document
         self.network_flows = self.flows = network.solve()
-        self.network_pressures = self.pressures = network.pressures(self.flows, network.inlet_pa)
+        self.network_pressures = self.pressures = network.pressures(self.flows)
         self.tube, self.reason, begin = None, None, time.process_time()
         self.branch, self.s_probe_mm, _ = tree.project_probe(document["probes"][0])
         self.radius_mm = {name: _radius_function(*profile) for name, profile in network.area_profile.items()}
@@ -64,13 +64,13 @@ class Predictor:
         for _ in range(MOST_ROUNDS):
             tube.solve(flows[outlets_fed].sum(), [flows[one].sum() for one in self.leak_outlets])
             s, drop = tube.axis_pressure()
-            own_s, own = network.pressures(flows, network.inlet_pa)[name]
+            own_s, own = network.pressures(flows)[name]
             missing_loss = np.interp(s, own_s, own) - np.interp(s[0], own_s, own) - drop
             network.add_loss(name, s, missing_loss, flows[outlets_fed].sum())
             before, flows = flows, network.solve()
             if np.abs(flows - before).max() < FLOW_TOLERANCE * total:
                 self.tube, self.flows = tube, flows
-                self.pressures = network.pressures(flows, network.inlet_pa)
+                self.pressures = network.pressures(flows)
                 return
         network.added_losses.clear()
         network.solve()
@@ -124,7 +124,7 @@ class Predictor:
 
     def ffr(self, pressures):
         """FFR at the probe `distal`, by pressures {branch: (s in m, pressure in Pa)}."""
-        return float(np.interp(self.s_probe_mm * M_PER_MM, *pressures[self.branch.name]) / self.network.inlet_pa)
+        return float(np.interp(self.s_probe_mm * M_PER_MM, *pressures[self.branch.name]) / self.document["map_pa"])
 
     def answers(self):
         """Entries `network` and `axisymmetric` of ffr.json's `models`."""
@@ -176,7 +176,7 @@ class Predictor:
         for k, branch in enumerate(self.tree):
             outside = np.ones(len(branch.points), bool)
             if branch.name != self.network.root:
-                outside = self.tree[self.network.parent[branch.name][0]].outside(branch.points, LEFT_PARENT_RADII)
+                outside = branch.outside_parent(self.tree[self.network.parent[branch.name][0]], LEFT_PARENT_RADII)
             kept.append(branch.points[outside])
             number.append(np.full(outside.sum(), k))
         _, nearest = cKDTree(np.concatenate(kept)).query(points_mm)

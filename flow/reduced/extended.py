@@ -4,7 +4,6 @@ Reduced models include the extensions, as the mesh does. FFR at an outlet is rea
 """
 
 import pathlib
-import sys
 
 import numpy as np
 import pandas as pd
@@ -24,8 +23,8 @@ SHARED_KEYS = ("made_from_sha256", "extensions")  # keys that must agree in the 
 def read_report(path, mesh, coarse=()):
     """([meshing.extension.Extension], [warning], SHA-256 or None) from the report of a mesh.
 
-    path: report of `flow mesh` on the file `mesh`; coarse: files of the coarser meshes. A warning, printed too, names
-    each mesh that could not be swept. The SHA-256 is of the surface and centrelines that the mesh was made from, None
+    path: report of `flow mesh` on the file `mesh`; coarse: files of the coarser meshes. A warning names each mesh that
+    could not be swept. The SHA-256 is of the surface and centrelines that the mesh was made from, None
     where the report lacks it. Raises InputError, also where the report is of another mesh, or a coarse mesh is of
     another lumen.
     """
@@ -52,8 +51,6 @@ def read_report(path, mesh, coarse=()):
         for name, reason in reasons.items()
         if reason
     ]
-    for warning in warnings:
-        print(warning, file=sys.stderr, flush=True)
     return extensions, warnings, report.get("made_from_sha256")
 
 
@@ -87,11 +84,10 @@ def _named_reports(report):
 
 
 def read_report_if_any(path, mesh, coarse=()):
-    """As `read_report`, but the report may be missing: then there are no extensions, and a warning, printed too."""
+    """As `read_report`, but the report may be missing: then there are no extensions, and a warning."""
     if path.is_file():
         return read_report(path, mesh, coarse)
     warning = f"no report of the mesh ({path.name}): reduced models take it as without extensions; give --mesh-report"
-    print(warning, file=sys.stderr, flush=True)
     return [], [warning], None
 
 
@@ -126,35 +122,16 @@ class ExtendedLumen:
         With setting `model` = network it is the network alone, without the axisymmetric model.
         """
         network = network_model.Network(*self._extended_anatomy, self.document, self.settings.expansion_loss)
-        return self._predictor(network, self.extended_tree)
-
-    def _predictor(self, network, tree):
-        """flow.reduced.coupled.Predictor of a 1D network and its Tree, with the model that the settings ask for."""
         coupled = self.settings.model != "network"
-        return coupled_model.Predictor(network, tree, self.document, self.settings, coupled)
+        return coupled_model.Predictor(network, self.extended_tree, self.document, self.settings, coupled)
 
-    def extension_report(self, models):
-        """Entry `extensions` of ffr.json: {ends, ffr_change}.
-
-        models: entry `models` of ffr.json, computed with the extensions. ffr_change: for each reduced model FFR with
-        the extensions minus FFR without. It shows the error that a mesh without extensions would make.
-        """
-        if not self.extensions:
-            return {"ends": [], "ffr_change": {}}
+    def extended_ends(self):
+        """Entry `extensions.ends` of ffr.json: [{name, length_mm, narrowing_mm}]."""
         names = {outlet["region_id"]: outlet["name"] for outlet in self.document["outlets"]} | {INLET: "inlet"}
-        without = self._predictor(self.network, self.original_tree)
-        before = without.answers()
-        without.destroy()
-        change = {
-            name: models[name]["ffr"] - entry["ffr"]
-            for name, entry in before.items()
-            if entry["ffr"] is not None and models[name]["ffr"] is not None
-        }
-        ends = [
+        return [
             {"name": names[one.region_id], "length_mm": one.length_mm, "narrowing_mm": one.distance_mm}
             for one in self.extensions
         ]
-        return {"ends": ends, "ffr_change": change}
 
 
 def extend_anatomy(anatomy, sections, extensions):

@@ -86,10 +86,10 @@ def ffr_range(answer_ffr, document, network_at, probe):
     """{low, high, at: [{what, factor, ffr}]}: FFR at the probe over the plausible flows of the boundary values.
 
     answer_ffr: FFR at the planned flow. network_at(document) -> flow.reduced.network.Network; probe: (branch, s_mm).
-    None where the boundary values have no plausible flows, or give the pressure of an outlet.
+    None where the boundary values have no plausible flows.
     """
     flows = document.get("plausible_flows", [])
-    if not flows or any(outlet.get("pressure_pa") is not None for outlet in document["outlets"]):
+    if not flows:
         return None
     base = loss_at(network_at(document), probe)
     at = []
@@ -104,9 +104,8 @@ def ffr_range(answer_ffr, document, network_at, probe):
 
 def loss_at(network, probe):
     """1 - FFR by a flow.reduced.network.Network at a probe (branch, s_mm)."""
-    flows = network.solve()
-    s, pressure = network.pressures(flows, network.inlet_pa)[probe[0]]
-    return 1 - float(np.interp(probe[1] * M_PER_MM, s, pressure)) / network.inlet_pa
+    s, pressure = network.pressures(network.solve())[probe[0]]
+    return 1 - float(np.interp(probe[1] * M_PER_MM, s, pressure)) / network.document["map_pa"]
 
 
 def fit_resistances(document, network_at):

@@ -19,7 +19,6 @@ from common.errors import ComputationError, InputError
 from flow.physics.units import M_PER_MM
 from flow.physics import viscosity as viscosities
 
-CREEPING_FLOW = 1e-10  # m3/s through each outlet: a flow so slow that only friction loses pressure
 END_DISTANCE_RADII = 2.0  # largest distance of the last section from the branch's end, in radii
 # Limits of a section's radius sqrt(A / pi) over the radius of the largest inscribed sphere. In the study this ratio is
 # 1.00 to 1.15, at ostia 1.4.
@@ -32,7 +31,7 @@ class Segment:
 
     def __init__(self, branch, s, area, outlets):
         self.branch, self.s, self.area, self.outlets = branch, s, area, outlets
-        self.throat_index = _throats(area)
+        self.throat_index = _throat_of_each_section(area)
 
     def losses(self, flow, density, viscosity, expansion_loss):
         """Static pressure at the segment's start minus that at each section, (n,) in Pa.
@@ -54,7 +53,7 @@ class Segment:
         return friction + dynamic + np.maximum.accumulate(expansion)
 
 
-def _throats(area):
+def _throat_of_each_section(area):
     """For each section the index of the narrowing in whose jet it lies, (n,); -1 for none. area (n,) in m2.
 
     A walk downstream. `low` is the section of least area so far. It is a narrowing once the area exceeds PROMINENCE
@@ -104,14 +103,13 @@ class Network:
             if len(rows) < 2:
                 raise InputError("branch without cross-sections", "sections.csv", name, "run the anatomy step again")
             self.area_profile[name] = rows["s_mm"].to_numpy(), rows["area_mm2"].to_numpy()
+        self.resistance = np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
         self.outlet_names = [outlet["name"] for outlet in self.outlets]
         self.outlet_index = {outlet["branch"]: k for k, outlet in enumerate(self.outlets)}
-        unknown = sorted(set(self.outlet_index) - set(branches))
-        if unknown:
-            raise InputError("outlet of an unknown branch", "boundary.json", unknown, "make it from this anatomy")
-        missing = sorted(set(branches) - set(self.outlet_index))
-        if missing:
-            raise InputError("branch without an outlet", "boundary.json", missing, "make it from this anatomy")
+        alone = sorted(set(self.outlet_index) ^ set(branches))
+        if alone:
+            what = "outlet without a branch, or branch without an outlet"
+            raise InputError(what, "boundary.json", alone, "make it from this anatomy")
         self.added_losses = {}
         self.segments = []
         self.root = next(name for name, branch in branches.items() if not branch["parent"])
@@ -140,10 +138,10 @@ class Network:
         for _, child in sorted(self.children[branch]):
             self._add_segments(child, 0.0)
 
-    def pressures(self, flows, inlet_pa=None):
-        """Static pressure along each branch: {branch: (s (n,) in m, pressure (n,) in Pa)}.
+    def pressures(self, flows):
+        """Static pressure along each branch, from MAP at the inlet: {branch: (s (n,) in m, pressure (n,) in Pa)}.
 
-        flows: flow through each outlet (outlets,) in m3/s. inlet_pa: pressure at the inlet in Pa; None stands for MAP.
+        flows: flow through each outlet (outlets,) in m3/s.
         """
         document, result, total_at = self.document, {}, {}
         for segment in self.segments:
@@ -154,7 +152,7 @@ class Network:
                     total_at[segment.branch] - velocity[0] ** 2
                 )
             elif segment.branch == self.root:
-                start = document["map_pa"] if inlet_pa is None else inlet_pa
+                start = document["map_pa"]
             else:
                 start = self._at_junction(segment, result, flows, velocity[0])
             loss = segment.losses(flow, document["density_kg_per_m3"], self.viscosity, self.expansion_loss)
@@ -194,30 +192,25 @@ class Network:
         static = float(np.interp(where * M_PER_MM, s, p))
         return static + 0.5 * self.document["density_kg_per_m3"] * (upstream**2 - velocity**2)
 
-    def outlet_pressures(self, flows, inlet_pa=None):
-        """Static pressure (outlets,) in Pa at the outlets; arguments as for `pressures`."""
-        result = self.pressures(flows, inlet_pa)
+    def outlet_pressures(self, flows):
+        """Static pressure (outlets,) in Pa at the outlets; flows as for `pressures`."""
+        result = self.pressures(flows)
         return np.array([result[outlet["branch"]][1][-1] for outlet in self.outlets])
 
     def solve(self):
-        """Outlet flows (outlets,) in m3/s at which each outlet has the pressure P_v + R_i Q_i, or its given pressure.
+        """Outlet flows (outlets,) in m3/s at which each outlet has the pressure P_v + R_i Q_i.
 
-        Sets `inlet_pa` in Pa: MAP, or the pressure that drives the inflow where that is given. Raises ComputationError.
+        Raises ComputationError.
         """
-        map_pa, given_inflow = self.document["map_pa"], self.document.get("inlet_flow_m3_per_s")
-        resistance = np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
-        back_pressure = self._back_pressure()
-        planned = self._flow_bounds(resistance, back_pressure, given_inflow)
-        count = len(planned)
+        map_pa, venous_pa = self.document["map_pa"], self.document["venous_pressure_pa"]
+        most = (map_pa - venous_pa) / self.resistance  # flows if the vessels lost no pressure
 
-        def imbalance(unknown):
-            flows, inlet_pa = unknown[:count] * planned, unknown[count] * map_pa if given_inflow else map_pa
-            lacking = (self.outlet_pressures(flows, inlet_pa) - back_pressure - resistance * flows) / map_pa
-            return np.append(lacking, flows.sum() / given_inflow - 1.0) if given_inflow else lacking
+        def imbalance(share):
+            flows = share * most
+            return (self.outlet_pressures(flows) - venous_pa - self.resistance * flows) / map_pa
 
-        start = np.append(np.full(count, 1.0 / count), 1.0) if given_inflow else np.full(count, 0.8)
-        upper_bounds = np.append(np.full(count, 1.2), np.inf) if given_inflow else 1.2
-        found = least_squares(imbalance, start, bounds=(0, upper_bounds), xtol=1e-13, ftol=1e-13, gtol=1e-13)
+        start = np.full(len(most), 0.8)
+        found = least_squares(imbalance, start, bounds=(0, 1.2), xtol=1e-13, ftol=1e-13, gtol=1e-13)
         if np.abs(found.fun).max() > 1e-6:
             raise ComputationError(
                 "reduced model did not converge",
@@ -225,33 +218,13 @@ class Network:
                 np.abs(found.fun).max(),
                 "check sections.csv (mm) and the resistances of boundary.json (Pa s/m3)",
             )
-        self.inlet_pa = float(found.x[count] * map_pa) if given_inflow else map_pa
-        return found.x[:count] * planned
-
-    def _back_pressure(self):
-        """Pressure (outlets,) in Pa behind the outlets' resistances: the venous pressure, or a given one."""
-        return np.array([outlet.get("pressure_pa", self.document["venous_pressure_pa"]) for outlet in self.outlets])
-
-    def _flow_bounds(self, resistance, back_pressure, given_inflow):
-        """Bounds (outlets,) of the outlet flows in m3/s: the given inflow, or the flow through the resistance alone.
-
-        resistance (outlets,) in Pa s/m3; back_pressure (outlets,): that of `_back_pressure`; given_inflow: inflow in
-        m3/s or None. For an outlet without a resistance, the resistance of its vessels to creeping flow takes its
-        place.
-        """
-        if given_inflow:
-            return np.full(len(resistance), given_inflow)
-        creeping = np.full(len(resistance), CREEPING_FLOW)
-        of_vessels = (self.document["map_pa"] - self.outlet_pressures(creeping)) / CREEPING_FLOW
-        return (self.document["map_pa"] - back_pressure) / np.where(
-            resistance > 0, resistance, of_vessels / len(resistance)
-        )
+        return found.x * most
 
     def resistances_at(self, flows, fraction):
         """Outlet resistances (outlets,) in Pa s/m3 at which this model's flows are `fraction` times `flows` (m3/s)."""
         if fraction == 1.0:
-            return np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
-        return (self.outlet_pressures(fraction * flows) - self._back_pressure()) / (fraction * flows)
+            return self.resistance
+        return (self.outlet_pressures(fraction * flows) - self.document["venous_pressure_pa"]) / (fraction * flows)
 
 
 def read_sections(path):

@@ -131,25 +131,21 @@ def lower_viscosity(problem, tried_eps=TRIED_EPS):
 
 
 def converge_fully(problem):
-    """Outcome of Newton's method to the residuals that the settings ask for, from the last flow in
-    `problem.flows_found`.
+    """Outcome of Newton's method to the setting residual_absolute, from the last flow in `problem.flows_found`.
 
     Where this fails, the flow before is tried, and so on. Raises ComputationError where none converges, or eps is above
     LARGEST_EPS.
     """
-    settings, outcome = problem.settings, None
+    outcome = None
     while problem.flows_found:
         _restore_flow(problem)
         if problem.artificial_viscosity > LARGEST_EPS:
             break
         print(f"artificial viscosity {problem.artificial_viscosity:.3g}, to the end", file=problem.log, flush=True)
-        outcome = newton.newton(
-            problem, settings.residual_absolute, settings.residual_relative, 2 * MOST_FACTORIZATIONS
-        )
+        outcome = newton.newton(problem, problem.settings.residual_absolute, 2 * MOST_FACTORIZATIONS)
         problem.flows_found.pop()
         if outcome.converged:
             _record_flow(problem)
-            outcome.iterations = problem.solver.factorizations
             return outcome
     raise problem.stall_error(outcome)
 
@@ -161,7 +157,7 @@ def _newton_at_eps(problem, eps, relative, most_picard=0, limit=MOST_FACTORIZATI
     """
     problem.forms.artificial_viscosity.value = eps
     print(f"artificial viscosity {eps:.3g}", file=problem.log, flush=True)
-    return newton.newton(problem, np.inf, relative, limit, most_picard)
+    return newton.newton(problem, relative * problem.pressure_load, limit, most_picard)
 
 
 def _secant(problem):

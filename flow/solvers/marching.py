@@ -44,10 +44,10 @@ class Inertia:
         self._given, self._force = self.mass.createVecs()
 
     def add_force(self, residual, state):
-        """residual += mass (weight state - past), both PETSc vectors over W."""
-        self._given.array[:] = (self.weight * state.array_r - self.past_terms)[self.v_map]
+        """residual += mass (weight state - past), both arrays (n,) over W."""
+        self._given.array[:] = (self.weight * state - self.past_terms)[self.v_map]
         self.mass.mult(self._given, self._force)
-        residual.array[self.v_map] += self._force.array_r
+        residual[self.v_map] += self._force.array_r
 
     def add_tangent(self, velocity):
         """velocity += weight mass; velocity: PETSc matrix, the velocity block of the tangent."""
@@ -118,7 +118,7 @@ class Stepper:
         problem.state.x.array[:] = sum(s * value for s, value in zip(coefficients, values))
         problem.inflow = float(np.dot(coefficients, self.last_inflows))
         inlet = problem.space.inlet_dofs
-        problem.state.x.array[inlet] = problem.inflow * problem.boundaries.profile.x.array[inlet]
+        problem.state.x.array[inlet] = problem.inflow * problem.boundaries.profile[inlet]
 
     def _error(self, gap, dt):
         """Error of a BDF2 step in m/s; gap (n,): the new flow minus the extrapolated parabola, over W."""
@@ -134,17 +134,12 @@ class Stepper:
 
         Raises ComputationError where the residual stays above RESIDUAL_TOLERANCE times the pressure load.
         """
-        problem, factorizations, slow_corrections, tolerance = (
-            self.problem,
-            0,
-            0,
-            RESIDUAL_TOLERANCE * self.problem.pressure_load,
-        )
+        problem, factorizations, slow_corrections = self.problem, 0, 0
+        tolerance = RESIDUAL_TOLERANCE * problem.pressure_load
         free, inlet, norm = problem.residual()
         self.acceleration.skip_difference()
         for count in range(MOST_CORRECTIONS):
             if norm <= tolerance:
-                free.destroy()
                 if count > MANY_CORRECTIONS:
                     self.factorized_weight = None
                 return
@@ -155,7 +150,6 @@ class Stepper:
                 factorizations, slow_corrections = factorizations + 1, 0
             last_norm = norm
             update, inflow_update = problem.correction(free, inlet)
-            free.destroy()
             base, base_inflow = problem.state.x.array.copy(), problem.inflow
             step = self.acceleration.step(
                 np.append(base[problem.space.free_dofs], base_inflow), np.append(update, inflow_update)
@@ -165,7 +159,6 @@ class Stepper:
             if not np.isfinite(norm):
                 break
             slow_corrections += norm > max(SLOW_REDUCTION * last_norm, tolerance)
-        free.destroy()
         self.factorized_weight = None
         raise ComputationError(
             "a step in time failed", f"{self.time:.4g} s", f"residual {norm:.3g} N", "a shorter step may help"
@@ -185,6 +178,5 @@ class Stepper:
 
     def destroy(self):
         """Makes the problem steady again and frees PETSc's memory."""
-        self.problem.inertia = None
-        self.problem.free_linearisation()
+        self.problem.inertia = self.problem.bordered = None
         self.inertia.destroy()

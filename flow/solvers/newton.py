@@ -19,15 +19,15 @@ import numpy as np
 
 ACCEPTED_REDUCTION = 0.5  # a step that reduces the residual below this share is accepted whatever its correction
 LEAST_FACTOR = 0.08  # smaller factors are not tried: the state is then too far from the solution
-SMALL_FACTOR = 0.15  # Newton's method ends after two steps in a row with smaller factors
+STALLED_FACTOR = 0.15  # Newton's method ends after two steps in a row with smaller factors
 # Ratio of the corrections after and before a step with factor 1. Below REUSE_FOR_STEPS the factorization is used again.
 # Below REUSE_FOR_ESTIMATE it also serves the error estimate (errors.error_field).
 REUSE_FOR_STEPS = 0.3
 REUSE_FOR_ESTIMATE = 0.1
 LARGEST_SHRINK_RATIO = 0.5  # accelerated steps end at a correction larger than this share of the one before
 MOST_ACCELERATED = 10  # accelerated steps with one factorization
-# Accelerated steps end when the residual is below this share of its limits. A Newton step in their place would end as
-# far below the limits.
+# Accelerated steps end when the residual is below this share of its tolerance. A Newton step in their place would end
+# as far below it.
 RESIDUAL_MARGIN = 0.03
 
 
@@ -46,26 +46,52 @@ class DampedStep:
     factor: float
 
 
-def newton(problem, absolute, relative, limit, most_picard=0):
+@dataclasses.dataclass
+class Outcome:
+    """Result of Newton's method: whether it converged, iterations (factorizations), and the norm of the residual.
+
+    residual_absolute in N; residual_relative over the pressure load (FlowProblem.pressure_load).
+    """
+
+    converged: bool
+    iterations: int
+    residual_absolute: float
+    residual_relative: float
+
+
+def newton_from(problem, fields, inflow, limit, picard_steps=0):
+    """Outcome of Newton's method at the full flow, without artificial viscosity, from a flow that was found elsewhere.
+
+    problem: nonlinear.FlowProblem; fields: (velocity (n, 3) in m/s, pressure (n,) in Pa) of that flow at the velocity
+    nodes; inflow in m3/s; limit: as `newton` has it; picard_steps: steps of Picard's method that come first.
+    """
+    problem.boundaries.set_full_flow()
+    problem.forms.artificial_viscosity.value = 0.0
+    problem.set_flow(*fields, inflow)
+    for _ in range(min(picard_steps, max(problem.factorizations_left, 0))):
+        picard(problem, *problem.residual()[:2])
+    return newton(problem, problem.settings.residual_absolute, limit)
+
+
+def newton(problem, tolerance_n, limit, most_picard=0):
     """Outcome of Newton's method from the present state of a FlowProblem.
 
-    It has converged when the residual is below `absolute` in N and below `relative` times the pressure load. It ends
-    after `limit` factorizations (twice as many if the last factor was 1), or when the settings allow no more. It also
-    ends where two factors in a row are below SMALL_FACTOR. Where no factor is good, a step of Picard's method is made
-    instead, at most `most_picard` times.
+    It has converged when the residual is not above `tolerance_n` in N. It ends after `limit` factorizations (twice as
+    many if the last factor was 1), or when the settings allow no more. It also ends where two factors in a row are
+    below STALLED_FACTOR. Where no factor is good, a step of Picard's method is made instead, at most `most_picard`
+    times.
     """
     free, inlet, norm = problem.residual()
     start, last_step, factors = problem.solver.factorizations, None, []
-    while not problem.residual_is_small(norm, absolute, relative):
+    while not norm <= tolerance_n:
         most_factorizations = 2 * limit if factors[-1:] == [1.0] else limit
         if problem.solver.factorizations - start >= most_factorizations or problem.factorizations_left <= 0:
             break
-        if len(factors) > 1 and max(factors[-2:]) < SMALL_FACTOR:
+        if len(factors) > 1 and max(factors[-2:]) < STALLED_FACTOR:
             break
         base, base_inflow = problem.state.x.array.copy(), problem.inflow
         problem.linearise(problem.forms.tangent)
         update, inflow_update = problem.correction(free, inlet)
-        free.destroy()
 
         def residual_at(factor):
             problem.move(base, base_inflow, update, inflow_update, factor)
@@ -79,15 +105,9 @@ def newton(problem, absolute, relative, limit, most_picard=0):
             free, inlet, norm = residual_after
             problem.report(norm, f"Newton {last_step.factor:.2g}")
             is_near = last_step.factor == 1 and last_step.size_after < REUSE_FOR_STEPS * last_step.size_before
-            if is_near and not problem.residual_is_small(norm, absolute, relative):
+            if is_near and norm > tolerance_n:
                 last_move = np.append(base[problem.space.free_dofs], base_inflow), np.append(update, inflow_update)
-                free, inlet, norm = _accelerate(
-                    problem,
-                    residual_after,
-                    last_move,
-                    last_step,
-                    (RESIDUAL_MARGIN * absolute, RESIDUAL_MARGIN * relative),
-                )
+                free, inlet, norm = _accelerate(problem, residual_after, last_move, last_step, tolerance_n)
                 if last_step.size_after > REUSE_FOR_ESTIMATE * last_step.size_before:
                     problem.mark_outdated()
                 last_step = None
@@ -97,30 +117,29 @@ def newton(problem, absolute, relative, limit, most_picard=0):
             break
         most_picard, factors = most_picard - 1, []
         free, inlet, norm = picard(problem, free, inlet)
-    free.destroy()
-    return problem.outcome(norm, absolute, relative, problem.solver.factorizations - start)
+    iterations = problem.solver.factorizations - start
+    return Outcome(norm <= tolerance_n, iterations, norm, norm / problem.pressure_load)
 
 
 def picard(problem, free, inlet):
     """Makes one step of Picard's method and returns `problem.residual()` after it.
 
-    free, inlet: residual before, as `problem.residual` returns it; the vector `free` is freed.
+    free, inlet: residual before, as `problem.residual` returns it.
     """
     base, base_inflow = problem.state.x.array.copy(), problem.inflow
     problem.linearise(problem.forms.picard)
     problem.move(base, base_inflow, *problem.correction(free, inlet), 1.0)
-    free.destroy()
     residual_after = problem.residual()
     problem.report(residual_after[2], "Picard")
     return residual_after
 
 
-def _accelerate(problem, residual_after, last_move, last_step, limits):
+def _accelerate(problem, residual_after, last_move, last_step, tolerance_n):
     """Makes accelerated steps with the last factorization and returns `problem.residual()` after them.
 
-    residual_after: `problem.residual()` after the DampedStep `last_step`, whose vector is freed; last_move: (state,
-    update) before it; limits: (absolute in N, over the pressure load) of the residual. A step that raises both residual
-    and correction is taken back, and ends the iteration.
+    residual_after: `problem.residual()` after the DampedStep `last_step`; last_move: (state, update) before it;
+    tolerance_n: of the residual, as in `newton`. A step that raises both residual and correction is taken back, and
+    ends the iteration.
     """
     acceleration = problem.acceleration()
     acceleration.step(*last_move)
@@ -129,17 +148,15 @@ def _accelerate(problem, residual_after, last_move, last_step, limits):
         base, base_inflow, before = problem.state.x.array.copy(), problem.inflow, residual_after[2]
         step = acceleration.step(np.append(base[problem.space.free_dofs], base_inflow), np.append(*correction))
         problem.move(base, base_inflow, step[:-1], step[-1], 1.0)
-        residual_after[0].destroy()
         residual_after = problem.residual()
         if np.isfinite(residual_after[2]):
             correction = problem.correction(*residual_after[:2])
             new_size = problem.velocity_norm(correction[0])
         if not np.isfinite(residual_after[2]) or new_size > size and residual_after[2] > before:
             problem.move(base, base_inflow, 0.0, 0.0, 0.0)
-            residual_after[0].destroy()
             return problem.residual()
         problem.report(residual_after[2], "accelerated")
-        if problem.residual_is_small(residual_after[2], *limits) or new_size > LARGEST_SHRINK_RATIO * size:
+        if residual_after[2] <= RESIDUAL_MARGIN * tolerance_n or new_size > LARGEST_SHRINK_RATIO * size:
             break
         size = new_size
     return residual_after
@@ -181,5 +198,4 @@ def _search_factor(problem, residual_at, update, factor, norm_before):
             factor = min(0.5 * size_before * factor**2 / change, 0.5 * factor)
         else:
             factor *= 0.5
-        free.destroy()
     return None, None

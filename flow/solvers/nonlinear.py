@@ -10,36 +10,23 @@ models (solvers.predicted_start). If that fails in a single tube, the flow is ra
 If all this fails, and in other trees at once, an artificial viscosity is lowered step by step (solvers.continuation).
 """
 
-import dataclasses
 import sys
 
 import numpy as np
 from dolfinx import fem
-from petsc4py import PETSc
 
 from common.errors import ComputationError
-from flow.discretisation import compat, flow_state, forms, tangent
+from flow.discretisation import forms, tangent
 from flow.physics.units import M3_PER_S_PER_ML_PER_MIN
 from flow.solvers import anderson, continuation, linear, newton, predicted_start, ramp
 
 MOST_FROM_STATE = 6  # factorizations from the flow of another state, before the flow is sought in the usual way
 
 
-@dataclasses.dataclass
-class Outcome:
-    """Result of a solve: whether it converged, iterations (factorizations), and the norm of the residual.
+class FlowProblem:
+    """The discrete equations of one lumen on a mesh, and the present flow.
 
-    residual_absolute in N; residual_relative over the pressure load (FlowProblem.pressure_load).
-    """
-
-    converged: bool
-    iterations: int
-    residual_absolute: float
-    residual_relative: float
-
-
-class FlowProblem(flow_state.FlowState):
-    """The discrete equations of one lumen on a mesh, and the present flow: `state` (Function on space.W) and inflow.
+    The flow is `state` (Function on space.W: velocity in m/s, pressure in Pa) and `inflow` in m3/s.
 
     space: discretisation.spaces.LumenSpace, whose W is the mixed space of velocity and pressure; boundaries:
     physics.outlets.Boundaries; document: of boundary.json; earlier_factorizations: factorizations made on other meshes,
@@ -47,10 +34,7 @@ class FlowProblem(flow_state.FlowState):
     """
 
     def __init__(self, space, boundaries, document, settings, earlier_factorizations=0, log=None):
-        self.earlier_factorizations, self.allowed_factorizations = (
-            earlier_factorizations,
-            settings.max_newton_iterations,
-        )
+        self.allowed_factorizations = settings.max_newton_iterations - earlier_factorizations
         self.space, self.boundaries, self.settings, self.log = space, boundaries, settings, log or sys.stderr
         self.state = fem.Function(space.W)
         self.inflow = 0.0
@@ -58,61 +42,87 @@ class FlowProblem(flow_state.FlowState):
         self.free_velocity = np.isin(space.free_dofs, space.v_map)
         self.matrix = None  # discretisation.tangent.FreeMatrix
         self.solver = linear.DirectSolver()
-        self.full_residual = compat.new_vector(space.W)
-        self.profile = compat.petsc_vector(boundaries.profile)
-        self.columns_of_outlets = [self.free_part(flux) for flux in boundaries.flux_vectors]
-        self.pressure_load = boundaries.pressure_load(self.columns_of_outlets)
+        self.pressure_load = boundaries.pressure_load()
         self.residual_history = []
         self.bordered = None
         self.inertia = None  # solvers.marching.Inertia while the flow is marched in time
         self.flows_found = []  # (eps, values, inflow) of the flows found by continuation, the answer last
 
     @property
+    def artificial_viscosity(self):
+        """Factor eps of the artificial viscosity at the present state."""
+        return float(self.forms.artificial_viscosity.value)
+
+    @property
     def factorizations_left(self):
         """Factorizations that are still allowed."""
-        return self.allowed_factorizations - self.earlier_factorizations - self.solver.factorizations
+        return self.allowed_factorizations - self.solver.factorizations
 
-    def free_part(self, vector):
-        """New vector with the values of `vector` (over W) at the free dofs.
+    def move(self, base, base_inflow, update, inflow_update, factor):
+        """Sets the flow to base (n,) over W plus factor times update, the change of the free dofs.
 
-        The values are copied. PETSc's getSubVector would leak memory unless its vector is given back.
+        base_inflow, inflow_update: likewise for the inflow in m3/s, which sets the velocity at the inlet.
         """
-        part = self.free_vector()
-        part.array[:] = vector.array_r[self.space.free_dofs]
-        return part
+        values = base.copy()
+        values[self.space.free_dofs] += factor * update
+        self._set_values(values, base_inflow + factor * inflow_update)
 
-    def free_vector(self):
-        """New vector of the free dofs."""
-        return PETSc.Vec().createSeq(len(self.space.free_dofs), comm=PETSc.COMM_SELF)
+    def _set_values(self, values, inflow):
+        """Sets the state to values (n,) over W with the velocities at the inlet of an inflow in m3/s."""
+        inlet, self.inflow = self.space.inlet_dofs, inflow
+        values[inlet] = inflow * self.boundaries.profile[inlet]
+        self.state.x.array[:] = values
+
+    def set_to_rest(self):
+        """Sets the flow to rest."""
+        self.state.x.array[:] = 0.0
+        self.inflow = 0.0
+
+    def scale_flow(self, ratio):
+        """Multiplies velocities and inflow by `ratio`, and pressure losses (MAP minus pressure) by its square."""
+        values, pressure = self.state.x.array, self.space.q_map
+        loss = values[pressure] - self.boundaries.map_pa
+        values *= ratio
+        values[pressure] = self.boundaries.map_pa + ratio**2 * loss
+        self.inflow *= ratio
+
+    def set_flow(self, velocity, pressure, inflow):
+        """Sets the flow to velocity (n, 3) in m/s and pressure (n,) in Pa at the velocity nodes, and inflow in m3/s.
+
+        Velocities on the wall are set to 0, those at the inlet to the profile of the inflow.
+        """
+        values = np.empty(self.space.dofs)
+        values[self.space.v_map] = velocity.ravel()
+        values[self.space.wall_dofs] = 0.0
+        values[self.space.q_map] = self.space.corner_values(pressure)
+        self._set_values(values, inflow)
+
+    def set_guess(self, space, state, inflow):
+        """Sets the flow to one of another mesh, interpolated to this mesh's nodes.
+
+        state: values over W of that mesh's LumenSpace `space`; inflow in m3/s.
+        """
+        velocity, pressure, _ = space.sampler(state)(self.space.nodes()[0])
+        self.set_flow(velocity, pressure, inflow)
+
+    def velocity_norm(self, update):
+        """Size of an update of the free dofs: the Euclidean norm of its nodal velocities in m/s, without pressures."""
+        return float(np.linalg.norm(update[self.free_velocity]))
 
     def residual(self):
-        """Residual at the present state: (PETSc vector of the free dofs, residual of the inflow's equation in Pa, norm
-        of both in N).
+        """Residual at the present state: (values (n,) in N at the free dofs, residual of the inflow's equation in Pa,
+        norm of both in N). Also sets mean_inlet_pressure in Pa, the mean weighted with the profile g.
 
-        The inflow's equation says that the mean inlet pressure is MAP. Where the inflow is given as Q0, it is
-        (Q / Q0 - 1) MAP = 0.
+        The inflow's equation says that the mean inlet pressure is MAP.
         """
-        vector = self.full_residual
-        self.forms.assemble_residual(vector)
-        outflows = self.boundaries.outflows(compat.petsc_vector(self.state))
-        vector.maxpy(self.boundaries.pressures(outflows), self.boundaries.flux_vectors)
+        values, state = self.forms.assemble_residual(), self.state.x.array
+        values += self.boundaries.pressures(self.boundaries.outflows(state)) @ self.boundaries.flux
         if self.inertia:
-            self.inertia.add_force(vector, self.state_vector())
-        self.mean_inlet_pressure = float(self.profile.dot(vector))
-        wanted = self.boundaries.inflow
-        if wanted is None:
-            inlet = self.mean_inlet_pressure - self.boundaries.map_pa
-        else:
-            inlet = (self.inflow / wanted - 1.0) * self.boundaries.map_pa
-        free = self.free_part(vector)
-        norm = float(np.hypot(free.norm(), inlet * self.boundaries.inlet_area))
-        return free, inlet, norm
-
-    def residual_norm(self):
-        """Norm of the residual in N. Also sets mean_inlet_pressure in Pa, the mean weighted with the profile g."""
-        free, _, norm = self.residual()
-        free.destroy()
-        return norm
+            self.inertia.add_force(values, state)
+        self.mean_inlet_pressure = float(self.boundaries.profile @ values)
+        inlet = self.mean_inlet_pressure - self.boundaries.map_pa
+        free = values[self.space.free_dofs]
+        return free, inlet, float(np.hypot(np.linalg.norm(free), inlet * self.boundaries.inlet_area))
 
     def linearise(self, form):
         """Factorizes the tangent at the present state, for `correction` and `responses`. Raises ComputationError.
@@ -123,18 +133,11 @@ class FlowProblem(flow_state.FlowState):
             self.matrix = tangent.FreeMatrix(self.space, self.forms)
         self.matrix.assemble(form, self.inertia)
         self.solver.set_matrix(self.matrix.matrix)
-        profile = self.boundaries.profile.x.array
+        profile, free = self.boundaries.profile, self.space.free_dofs
         forward, backward = self.matrix.multiply(profile), self.matrix.multiply(profile, transposed=True)
-        resistance = self.boundaries.resistance
-        outlets = [column for column, r in zip(self.columns_of_outlets, resistance) if r > 0]
-        column, row = self.free_vector(), self.free_vector()
-        column.array[:], row.array[:] = forward[self.space.free_dofs], backward[self.space.free_dofs]
-        columns, rows = [column] + outlets, [row] + outlets
-        corner = np.diag(np.concatenate([[profile @ forward], -1.0 / resistance[resistance > 0]]))
-        if self.boundaries.inflow is not None:
-            rows[0].set(0.0)
-            corner[0, 0] = self.boundaries.map_pa / self.boundaries.inflow
-        self.free_linearisation()
+        outlets = self.boundaries.flux[:, free]
+        corner = np.diag([profile @ forward, *(-1.0 / self.boundaries.resistance)])
+        columns, rows = np.vstack([forward[free], outlets]).T, np.vstack([backward[free], outlets])
         self.bordered = linear.BorderedSystem(self.solver, columns, rows, corner)
         self.linearised_as = (form is self.forms.tangent, self.artificial_viscosity)
 
@@ -145,16 +148,9 @@ class FlowProblem(flow_state.FlowState):
         """
         self.linearised_as = None
 
-    def free_linearisation(self):
-        """Frees the vectors of the last linearisation, but not the factors."""
-        if self.bordered:
-            for part in (self.bordered.rows[0], self.bordered.columns[0], self.bordered):
-                part.destroy()
-            self.bordered = None
-
     def release(self):
         """Frees matrix and factors; the next linearisation makes them anew."""
-        self.free_linearisation()
+        self.bordered = None
         self.solver.release()
         if self.matrix is not None:
             self.matrix.destroy()
@@ -165,35 +161,27 @@ class FlowProblem(flow_state.FlowState):
 
         residual, inlet: as `residual` returns them.
         """
-        right = np.zeros(len(self.bordered.rows))
-        right[0] = inlet
-        x, y = self.bordered.solve(residual, right)
-        update = -x.array
-        x.destroy()
-        return update, -float(y[0])
+        on_border = np.zeros((len(self.bordered.rows), 1))
+        on_border[0] = inlet
+        x, y = self.bordered.solve(residual[:, None], on_border)
+        return -x[:, 0], -float(y[0, 0])
 
     def responses(self, loads):
         """Solutions w (n, k) over W of K w = load, for loads (n, k) over W; K is Newton's tangent.
 
         w is the change of the flow by the load, to first order. The derivative of a quantity such as FFR times w is the
         change of that quantity. The last factorization is used again if it was made at a state near by
-        (solvers.newton). A given inflow does not change. Raises ComputationError.
+        (solvers.newton). Raises ComputationError.
         """
         if self.bordered is None or self.linearised_as != (True, self.artificial_viscosity):
             self.linearise(self.forms.tangent)
-        space, profile = self.space, self.boundaries.profile.x.array
-        rights = [PETSc.Vec().createWithArray(load[space.free_dofs], comm=PETSc.COMM_SELF) for load in loads.T]
-        on_border = np.zeros((len(rights), len(self.bordered.rows)))
-        if self.boundaries.inflow is None:
-            on_border[:, 0] = profile @ loads
+        space, profile = self.space, self.boundaries.profile
+        on_border = np.zeros((len(self.bordered.rows), loads.shape[1]))
+        on_border[0] = profile @ loads
+        x, y = self.bordered.solve(loads[space.free_dofs], on_border)
         values = np.zeros(loads.shape)
-        for k, (x, y) in enumerate(self.bordered.solve_all(rights, on_border)):
-            values[space.free_dofs, k] = x.array_r
-            if self.boundaries.inflow is None:
-                values[space.inlet_dofs, k] = profile[space.inlet_dofs] * y[0]
-            x.destroy()
-        for right in rights:
-            right.destroy()
+        values[space.free_dofs] = x
+        values[space.inlet_dofs] = np.outer(profile[space.inlet_dofs], y[0])
         return values
 
     def acceleration(self):
@@ -203,14 +191,6 @@ class FlowProblem(flow_state.FlowState):
         """
         weights = np.where(self.free_velocity, 1.0, 1.0 / self.forms.density)
         return anderson.AndersonAcceleration(np.append(weights, 0.0))
-
-    def residual_is_small(self, norm, absolute, relative):
-        """Whether the residual `norm` (N) meets both limits: `absolute` in N, `relative` times the pressure load."""
-        return norm <= absolute and norm <= relative * self.pressure_load
-
-    def outcome(self, norm, absolute, relative, iterations):
-        """Outcome for a residual `norm` in N; it has converged if `residual_is_small`. iterations: factorizations."""
-        return Outcome(self.residual_is_small(norm, absolute, relative), iterations, norm, norm / self.pressure_load)
 
     def report(self, norm, kind):
         """Notes the residual `norm` (N) in `residual_history`, and prints it with the words `kind` on the step."""
@@ -235,7 +215,6 @@ class FlowProblem(flow_state.FlowState):
             self.set_to_rest()
             outcome = ramp.raise_flow(self, resistances_at)
             if outcome.converged:
-                outcome.iterations = self.solver.factorizations
                 return outcome
         self.set_to_rest()
         return continuation.from_rest(self, stop_early)
@@ -260,15 +239,10 @@ class FlowProblem(flow_state.FlowState):
 
         start: inputs.solution.StartState. Raises ComputationError where Newton's method does not converge from there.
         """
-        self.boundaries.set_full_flow()
-        self.forms.artificial_viscosity.value = 0.0
-        self.set_flow(*start.fields_at(self.space.nodes()[0]), start.inflow)
-        settings = self.settings
-        outcome = newton.newton(self, settings.residual_absolute, settings.residual_relative, MOST_FROM_STATE)
+        fields = start.fields_at(self.space.nodes()[0])
+        outcome = newton.newton_from(self, fields, start.inflow, MOST_FROM_STATE)
         if not outcome.converged:
             raise self.stall_error(outcome)
-        self.flows_found.append((0.0, self.state.x.array.copy(), self.inflow))
-        outcome.iterations = self.solver.factorizations
         return outcome
 
     def stall_error(self, outcome):
@@ -276,7 +250,7 @@ class FlowProblem(flow_state.FlowState):
 
         outcome: that of the last attempt, or None; then the residual is that of the present state.
         """
-        norm = outcome.residual_absolute if outcome else self.residual_norm()
+        norm = outcome.residual_absolute if outcome else self.residual()[2]
         return ComputationError(
             "the flow solver stalled",
             f"artificial viscosity {self.artificial_viscosity:.3g}, {self.solver.factorizations} factorizations",
@@ -288,5 +262,3 @@ class FlowProblem(flow_state.FlowState):
         """Frees PETSc's memory."""
         self.release()
         self.solver.destroy()
-        for petsc_object in [self.full_residual] + self.columns_of_outlets:
-            petsc_object.destroy()

@@ -22,17 +22,7 @@ def try_predicted_flow(problem, predictor):
     """
     if not (predictor.covers_lumen or predictor.ffr(predictor.network_pressures) >= LEAST_FFR):
         return None
-    problem.boundaries.set_full_flow()
-    problem.forms.artificial_viscosity.value = 0.0
-    points, _ = problem.space.nodes()
-    problem.set_flow(*predictor.fields(points), float(np.sum(predictor.flows)))
     print("from the reduced models' flow", file=problem.log, flush=True)
-    if not predictor.covers_lumen:
-        free, inlet, _ = problem.residual()
-        for _ in range(min(PICARD_STEPS, max(problem.factorizations_left, 0))):
-            free, inlet, _ = newton.picard(problem, free, inlet)
-        free.destroy()
-    settings = problem.settings
-    outcome = newton.newton(problem, settings.residual_absolute, settings.residual_relative, MOST_FACTORIZATIONS)
-    outcome.iterations = problem.solver.factorizations
-    return outcome
+    fields, inflow = predictor.fields(problem.space.nodes()[0]), float(np.sum(predictor.flows))
+    picard_steps = 0 if predictor.covers_lumen else PICARD_STEPS
+    return newton.newton_from(problem, fields, inflow, MOST_FACTORIZATIONS, picard_steps)

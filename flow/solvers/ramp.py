@@ -6,8 +6,6 @@ factorizations. At Re 1,500 solvers.continuation does not find this flow. In tre
 continuation takes fewer factorizations.
 """
 
-import numpy as np
-
 from flow.solvers import newton
 
 FRACTIONS = (0.1, 0.2, 0.35, 0.6, 1.0)
@@ -22,21 +20,18 @@ def raise_flow(problem, resistances_at):
 
     problem: nonlinear.FlowProblem; resistances_at(fraction) -> (n,) outlet resistances in Pa s/m3.
     """
-    settings, last_fraction = problem.settings, None
+    last_fraction = None
     problem.forms.artificial_viscosity.value = 0.0
     for fraction in FRACTIONS:
         problem.boundaries.set_flow_fraction(fraction, resistances_at)
         print(f"flow fraction {fraction:.3g}", file=problem.log, flush=True)
-        if (
-            last_fraction and last_fraction > FRACTIONS[0]
-        ):  # a jet keeps its shape as the flow grows; the first, slow flow has no jet
+        # a jet keeps its shape as the flow grows; the first, slow flow has no jet
+        if last_fraction and last_fraction > FRACTIONS[0]:
             problem.scale_flow(fraction / last_fraction)
-        absolute, relative, limit = settings.residual_absolute, settings.residual_relative, MOST_AT_FULL_FLOW
+        tolerance_n, limit = problem.settings.residual_absolute, MOST_AT_FULL_FLOW
         if fraction < FRACTIONS[-1]:
-            free, _, norm = problem.residual()
-            free.destroy()
-            absolute, relative, limit = INTERMEDIATE_REDUCTION * norm, np.inf, MOST_FACTORIZATIONS
-        outcome = newton.newton(problem, absolute, relative, limit, MOST_PICARD)
+            tolerance_n, limit = INTERMEDIATE_REDUCTION * problem.residual()[2], MOST_FACTORIZATIONS
+        outcome = newton.newton(problem, tolerance_n, limit, MOST_PICARD)
         if not outcome.converged:
             return outcome
         last_fraction = fraction

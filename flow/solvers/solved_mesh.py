@@ -4,7 +4,7 @@ import sys
 
 from common.errors import ComputationError
 from flow.discretisation import spaces
-from flow.geometry import centreline, locate
+from flow.geometry import centreline
 from flow.physics import ffr, outlets
 from flow.physics.units import M_PER_MM
 from flow.solvers import nonlinear
@@ -21,9 +21,9 @@ CONVERGED, CONVERGED_WITH_VISCOSITY = STATUSES = ("converged", "converged with a
 class SolvedMesh:
     """One mesh with its flow.
 
-    problem: nonlinear.FlowProblem; outcome: nonlinear.Outcome; estimate: errors.error_estimate.estimate_error, set
-    later; sampler: locate.FieldSampler. names, outflows in m3/s, pressures in Pa: of the outlets, in the mesh's order;
-    inflow in m3/s.
+    problem: nonlinear.FlowProblem; outcome: newton.Outcome; iterations: factorizations until the flow was found;
+    estimate: errors.error_estimate.estimate_error, set later; sampler: geometry.locate.FieldSampler. names, outflows in
+    m3/s, pressures in Pa: of the outlets, in the mesh's order; inflow in m3/s.
     """
 
     model = "3D Navier-Stokes, Taylor-Hood P2-P1 on quadratic tetrahedra"
@@ -31,10 +31,10 @@ class SolvedMesh:
     def __init__(self, path, space, boundaries, problem, outcome):
         self.path, self.space, self.boundaries, self.problem, self.outcome = path, space, boundaries, problem, outcome
         self.artificial_viscosity = problem.artificial_viscosity  # eps of the steady flow
-        self.estimate, self.cpu_seconds = None, 0.0
-        self.sampler = locate.FieldSampler(self.space, self.problem.state.x.array)
+        self.iterations, self.estimate, self.cpu_seconds = problem.solver.factorizations, None, 0.0
+        self.sampler = space.sampler(problem.state.x.array)
         self.outlet_names, self.inflow = boundaries.outlet_names, problem.inflow
-        self.outflows = self.boundaries.outflows(self.problem.state_vector())
+        self.outflows = boundaries.outflows(problem.state.x.array)
         self.pressures = boundaries.pressures(self.outflows)
 
     @property
@@ -45,7 +45,6 @@ class SolvedMesh:
     def destroy(self):
         """Frees PETSc's memory."""
         self.problem.destroy()
-        self.boundaries.destroy()
 
 
 def solve_mesh(
@@ -84,6 +83,5 @@ def solve_mesh(
     except ComputationError as error:
         error.factorizations = problem.solver.factorizations
         problem.destroy()
-        boundaries.destroy()
         raise
     return SolvedMesh(path, space, boundaries, problem, outcome)

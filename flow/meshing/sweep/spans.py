@@ -47,7 +47,7 @@ def clear_of_others(axis, tree, s_mm):
             continue
         keep = np.ones(len(other.points), bool)
         if _starts_on(other, branch):
-            keep = _outside_parent(other, branch)
+            keep = other.outside_parent(branch, LEFT_PARENT_RADII)
         for point, radius in zip(other.points[keep], other.radius_mm[keep]):
             gap = point - origins
             along = dot(gap, normals)
@@ -60,13 +60,6 @@ def _starts_on(branch, parent):
     """Whether a branch starts near the axis of `parent`."""
     s, distance = parent.project(branch.points[0])
     return distance < 0.5 * parent.radius(s)
-
-
-def _outside_parent(branch, parent):
-    """Which points (n,) bool of a side branch come after it has left its parent's lumen."""
-    past = parent.outside(branch.points, LEFT_PARENT_RADII)
-    first = int(np.argmax(past)) if past.any() else len(past)
-    return np.arange(len(past)) >= first
 
 
 def sweepable_stretches(axis, allowed, s_mm):

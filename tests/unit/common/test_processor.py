@@ -28,6 +28,13 @@ def test_functions_for_avx2_are_chosen_where_they_run(flags, kernel, disabled):
     assert [environment.get(name) for name in NAMES] == [kernel, disabled]
 
 
+@pytest.mark.parametrize(
+    "flags, name", [(["sse2", "avx"], "x86-64"), (AVX2, "x86-64-v3"), ([*AVX2, "avx512f"], "x86-64-v3"), ([], "native")]
+)
+def test_compiled_forms_need_no_more_than_avx2(flags, name):
+    assert processor.architecture(flags) == name
+
+
 def test_the_users_choice_stays():
     environment = {"OPENBLAS_CORETYPE": "Prescott", "NPY_DISABLE_CPU_FEATURES": ""}
     processor.limit_to_avx2(environment, [*AVX2, "avx512f"])

@@ -7,21 +7,13 @@ import numpy as np
 from flow.solvers import anderson
 
 
-class _Vector:
-    def __init__(self, values):
-        self.values = values
-
-    def destroy(self):
-        """As PETSc's vectors."""
-
-
 class Equations:
     """F(x) = 0 with the methods of solvers.nonlinear.FlowProblem that Newton's method uses."""
 
     def __init__(self, function, jacobian, start):
         self.function, self.jacobian, self.norms = function, jacobian, []
         self.state = types.SimpleNamespace(x=types.SimpleNamespace(array=np.array(start, float)))
-        self.inflow = 0.0
+        self.inflow, self.pressure_load = 0.0, 1.0
         self.solver = types.SimpleNamespace(factorizations=0)
         self.forms = types.SimpleNamespace(tangent=None)
         self.space = types.SimpleNamespace(free_dofs=slice(None))
@@ -39,26 +31,20 @@ class Equations:
 
     def residual(self):
         values = np.array(self.function(self.state.x.array), float)
-        return _Vector(values), 0.0, float(np.linalg.norm(values))
+        return values, 0.0, float(np.linalg.norm(values))
 
     def linearise(self, form):
         self.solver.factorizations += 1
         self.matrix = np.array(self.jacobian(self.state.x.array), float)
 
     def correction(self, residual, inlet):
-        return -np.linalg.solve(self.matrix, residual.values), 0.0
+        return -np.linalg.solve(self.matrix, residual), 0.0
 
     def move(self, base, base_inflow, update, inflow_update, factor):
         self.state.x.array = base + factor * update
 
     def velocity_norm(self, update):
         return float(np.linalg.norm(update))
-
-    def residual_is_small(self, norm, absolute, relative):
-        return norm <= absolute
-
-    def outcome(self, norm, absolute, relative, iterations):
-        return types.SimpleNamespace(converged=self.residual_is_small(norm, absolute, relative), iterations=iterations)
 
     def report(self, norm, kind):
         self.norms.append(norm)

@@ -54,18 +54,15 @@ def search(monkeypatch):
     return run
 
 
-def test_an_error_that_is_not_within_the_tolerance_is_warned_of(capsys):
+def test_an_error_that_is_not_within_the_tolerance_is_warned_of():
     chosen = settings.make(ffr_tolerance=0.005)
-    assert (
-        adaptive.tolerance_warnings({"ffr": 0.005, "probes": [0.005]}, chosen) == [] and capsys.readouterr().err == ""
-    )
+    assert adaptive.tolerance_warnings({"ffr": 0.005, "probes": [0.005]}, chosen) == []
     (above,) = adaptive.tolerance_warnings({"ffr": 0.0123, "probes": [0.0123]}, chosen)
     (unknown,) = adaptive.tolerance_warnings(None, chosen)
     elsewhere = {"ffr": 0.004, "probes": [0.004, 0.001, 0.0061]}
     (other,) = adaptive.tolerance_warnings(elsewhere, chosen, ["distal", "near", "far"])
     assert "0.0123, above ffr_tolerance = 0.005" in above and "not known" in unknown
     assert "probe far is 0.0061, above ffr_tolerance = 0.005" in other
-    assert capsys.readouterr().err == f"{above}\n{unknown}\n{other}\n"
 
 
 @pytest.mark.parametrize("eps", [0.0, 0.004])

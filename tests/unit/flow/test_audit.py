@@ -87,6 +87,6 @@ def test_a_step_that_fails_is_shortened_and_a_march_that_cannot_go_on_says_so():
 
     asked = []
     with pytest.raises(audit.ComputationError):
-        list(audit._adaptive_steps(Stepper(), 1.0, 10))
+        list(audit._march_adaptively(Stepper(), 1.0, 10))
     assert asked[0] == audit.FIRST_STEP and asked[-1] >= audit.SHORTEST_STEP
     assert np.allclose(np.diff(np.log(asked)), np.log(audit.SMALLEST_CHANGE))

@@ -37,8 +37,8 @@ def _refused(capsys, *command):
             ["more coarse meshes than coarse_rings", "3 files, [2, 3]"],
         ),
         ("mesh.msh", ["--coarse", "coarse.msh", "--json", "coarse.msh"], ["replace another", "coarse.msh"]),
-        ("mesh.msh", ["--json", "lumen.vtp"], ["replace another", "lumen.vtp"]),
-        ("mesh.msh", ["--json", "sub/../line.vtp"], ["replace another", "line.vtp"]),
+        ("mesh.msh", ["--json", "lumen.vtp"], ["replaced by its answer", "lumen.vtp"]),
+        ("mesh.msh", ["--json", "sub/../line.vtp"], ["replaced by its answer", "line.vtp"]),
     ],
 )
 def test_names_of_meshes(tmp_path, monkeypatch, capsys, out, more, words):
@@ -148,6 +148,30 @@ def test_a_refused_run_leaves_no_former_answer(case, tmp_path, capsys, command, 
     assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
 
 
+def test_warnings_are_printed_where_they_are_made_and_with_every_answer(meshes, tmp_path, capsys):
+    lesions = [{"branch": "main", "s_end_mm": 5.0}]  # too near to the vessel's end for the probe
+    radius = lambda s: 1.2  # noqa: E731
+    tubes.write_case(tmp_path, tubes.tube(6.0, radius, 0.6), [tubes.centre_branch(6.0, radius)], lesions=lesions)
+    out = ["--out", str(tmp_path / "boundary.json")]
+    command_line.main(["boundary", "--anatomy", str(tmp_path / "anatomy.json"), *PATIENT, *out])
+    said = "probe distal is -0.5 mm past its lesion's end instead of 10 mm"
+    assert capsys.readouterr().err.count(said) == 1
+    command_line.main(_solve(tmp_path, meshes, tmp_path / "out", "--model", "network"))
+    printed, answer = capsys.readouterr().err, json.loads((tmp_path / "out" / "ffr.json").read_text())
+    assert said in answer["warnings"][0] and [printed.count(one) for one in answer["warnings"]] == [1, 1]
+
+
+def test_every_input_is_known(case, tmp_path):
+    """Files given or in folders given, reports of meshes, and what lies beside a centreline."""
+    words = _solve(case, tmp_path, tmp_path / "out", "--start", str(tmp_path / "before"), str(tmp_path / "old.vtp"))
+    given = {k: v for k, v in vars(command_line.make_parser().parse_args(words)).items() if k != "out"}
+    found = command_files._files_read(given)
+    for path in ("mesh.msh", "mesh.json", "before/solution.vtu", "before/ffr.json", "old.vtp"):
+        assert tmp_path / path in found
+    assert {case / name for name in ("boundary.json", "centreline.vtp", "anatomy.json", "sections.csv")} <= set(found)
+    assert not any("out" in path.parts for path in found)
+
+
 @pytest.mark.parametrize("name", ["anatomy.json", "centreline.vtp", "boundary.json", "sections.csv", "lumen.vtp"])
 def test_an_input_is_not_replaced_by_its_answer(case, capsys, name):
     before = (case / name).read_bytes()
@@ -174,7 +198,8 @@ def test_where_the_coarse_mesh_fails_no_mesh_is_left(case, tmp_path, monkeypatch
 
     for name in ("mesh.msh", "coarse.msh", "mesh.json"):
         (tmp_path / name).write_text("former")
-    monkeypatch.setattr(mesh, "build_coarser", fails)
+    build = mesh.build
+    monkeypatch.setattr(mesh, "build", lambda *given: build(*given) if given[4] == 3 else fails())
     with pytest.raises(SystemExit) as ended:
         command_line.main(_mesh(case, tmp_path))
     assert ended.value.code == 3 and not list(tmp_path.iterdir())

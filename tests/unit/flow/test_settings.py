@@ -59,7 +59,6 @@ def _mesh(folder):
 
 
 def test_boundary_reads_what_it_offers(folder, read):
-    _boundary(folder, "--inlet-condition", "flow", "--outlet-condition", "pressure")
     _boundary(folder, "--viscosity-model", "carreau_yasuda")
     assert read() == _offered("boundary")
 
@@ -100,7 +99,6 @@ def test_every_setting_acts_somewhere():
     [
         ("solve", ["--viscosity-pa-s", ".02"], "flow boundary"),
         ("solve", ["--venous-pressure-mmhg=15"], "flow boundary"),
-        ("solve", ["--inlet-condition", "flow"], "flow boundary"),
         ("solve", ["--rings", "12"], "flow mesh"),
         ("mesh", ["--ffr-tolerance", "0"], "flow solve` or `flow audit"),
         ("boundary", ["--model", "network"], "flow solve` or `flow audit` or `flow rank"),
@@ -173,10 +171,8 @@ def test_a_whole_number_may_have_a_point(folder, monkeypatch):
 @pytest.mark.parametrize(
     ("given", "remedy"),
     [
-        (["--inlet-flow-ml-per-min", "50"], "set inlet_condition to flow"),
-        (["--inlet-flow-ml-per-min", "200"], "set inlet_condition to flow"),  # the default, but asked for
-        (["--outlet-pressure-mmhg", "70"], "set outlet_condition to pressure"),
         (["--viscosity-power-index", ".3"], "set viscosity_model to carreau_yasuda"),
+        (["--viscosity-time-s", "1.902"], "set viscosity_model to carreau_yasuda"),  # the default, but asked for
         (["--viscosity-model", "carreau_yasuda", "--viscosity-pa-s", ".003"], "set viscosity_model to newtonian"),
     ],
 )
@@ -192,7 +188,7 @@ def test_a_file_with_every_default_sets_no_switch(folder, tmp_path, capsys):
     values = {name: rule["default"] for name, rule in rules.items()}
     (tmp_path / "flow.json").write_text(json.dumps(values))
     _boundary(folder, "--settings", str(tmp_path / "flow.json"))
-    (tmp_path / "flow.json").write_text(json.dumps(values | {"outlet_pressure_mmhg": 70}))
+    (tmp_path / "flow.json").write_text(json.dumps(values | {"viscosity_time_s": 2}))
     with pytest.raises(SystemExit):
         _boundary(folder, "--settings", str(tmp_path / "flow.json"))
-    assert "set outlet_condition to pressure" in capsys.readouterr().err
+    assert "set viscosity_model to carreau_yasuda" in capsys.readouterr().err

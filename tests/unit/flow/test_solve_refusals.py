@@ -273,9 +273,6 @@ def test_factorization_failure_is_a_computation_error():
     matrix = PETSc.Mat().createAIJ((2, 2), nnz=2, comm=PETSc.COMM_SELF)
     matrix.setValues([0, 1], [0, 1], [[np.nan, 1.0], [1.0, np.nan]])
     matrix.assemble()
-    right, x = matrix.createVecs()
-    right.set(1.0)
     with pytest.raises(ComputationError):
         solver.set_matrix(matrix)
-        solver.solve(right, x)
-        assert np.isfinite(x.array).all()
+        solver.solve(np.ones((2, 1)))

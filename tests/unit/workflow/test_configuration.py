@@ -58,7 +58,7 @@ def edit(file, old, new):
         (DEVICE, "kind: balloon", "kind: ballon", ["kind", "ballon", "one of balloon, stent"]),
         (STUDY, "quick_focal", "quick_fokal", ["cohorts.quick[1]", "quick_fokal", "quick_focal"]),
         (STUDY, "cohorts:", "flow: {density_kg_per_m3: 1.06}\ncohorts:", ["flow.density_kg_per_m3", "1.06", "900"]),
-        (CASE, "settings:", "settings:\n  flow: {inlet_flow_ml_per_min: 50}", ["inlet_flow", "50", "inlet_condition"]),
+        (CASE, "settings:", "settings:\n  flow: {viscosity_time_s: 2}", ["viscosity_time_s", "2", "viscosity_model"]),
         (CASE, "settings:", "settings:\n  flow: {coarse_rings: [3]}", ["two coarser meshes", "coarse_rings", "[3]"]),
         (CASE, "settings:", "settings:\n  flow: {coarse_rings: [3, 2]}", ["not coarser", "[3, 2]"]),
         (CASE, "settings:", "settings:\n  flow: {coarse_rings: 2}", ["coarse_rings", "not allowed"]),

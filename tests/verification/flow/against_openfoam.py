@@ -8,6 +8,7 @@ OpenFOAM's mesh has its wall's vertices on the true radius. Rows that are not ru
 
 import argparse
 import csv
+import functools
 import json
 import os
 import pathlib
@@ -18,6 +19,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "unit" / "flow")]
 
 import numpy as np  # noqa: E402
+import given_inflow  # noqa: E402
 import hard_cases  # noqa: E402
 import openfoam_case  # noqa: E402
 import openfoam_run  # noqa: E402
@@ -45,17 +47,17 @@ ALLOWED_DIFFERENCE = {"volume_mm3": 0.02, "flow_ml_per_min": 1e-4}  # difference
 RADIUS_PROFILE = tubes.lesion(RADIUS, REDUCTION, THROAT, 10)
 
 
+FLUID = {"density_kg_per_m3": DENSITY, "viscosity_pa_s": VISCOSITY}
+
+
 def document():
-    """boundary.json: the inflow given, the pressure at the outlet."""
+    """boundary.json for given_inflow: FLOW, OUTLET at the outlet at this flow, the reference's pressure before it."""
     point = tubes.centre_branch(LENGTH, RADIUS_PROFILE).point(PRESSURE_PLACES_MM[1]).tolist()
     outlet = {"name": "outlet1", "region_id": 2, "branch": "main", "flow_m3_per_s": FLOW}
-    outlet |= {"resistance_pa_s_per_m3": 0.0, "pressure_pa": OUTLET}
-    return {
-        "map_pa": 93 * 133.322,  # not used: the inflow is given
+    outlet["resistance_pa_s_per_m3"] = OUTLET / FLOW
+    return FLUID | {
+        "map_pa": OUTLET + float(reference_pressures()[0]),
         "venous_pressure_pa": 0.0,
-        "density_kg_per_m3": DENSITY,
-        "viscosity_pa_s": VISCOSITY,
-        "inlet_flow_m3_per_s": FLOW,
         "outlets": [outlet],
         "probes": [{"name": "distal", "branch": "main", "s_mm": PRESSURE_PLACES_MM[1], "point_mm": point}],
     }
@@ -66,11 +68,12 @@ def ffr(pressures):
     return (OUTLET + pressures[1]) / (OUTLET + pressures[0])
 
 
-def reference():
-    """FFR of the axisymmetric solution."""
+@functools.cache
+def reference_pressures():
+    """Pressures in Pa at PRESSURE_PLACES_MM over the outlet's by the axisymmetric solution."""
     from axisymmetric import Tube
 
-    return ffr(Tube(RADIUS_PROFILE, LENGTH, THROAT, document(), (150, 16)).pressures(FLOW, PRESSURE_PLACES_MM))
+    return Tube(RADIUS_PROFILE, LENGTH, THROAT, FLUID, (150, 16)).pressures(FLOW, PRESSURE_PLACES_MM)
 
 
 def openfoam_rows(edge_mm, folder):
@@ -127,7 +130,7 @@ def vci_rows(rings, folder):
         environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
         with open(folder / f"{command[0]}.log", "w") as log:
             done = subprocess.run(
-                [sys.executable, "-m", "flow", *command], cwd=folder, stdout=log, stderr=log, env=environment
+                [sys.executable, given_inflow.__file__, *command], cwd=folder, stdout=log, stderr=log, env=environment
             )
         seconds.append(sum(os.times()[2:4]) - started)
         if done.returncode:
@@ -261,7 +264,7 @@ def main():
     if missing:
         raise InputError("OpenFOAM is not installed", "PATH", ", ".join(missing), "apt-get install openfoam")
     options.out.mkdir(parents=True, exist_ok=True)
-    truth, rows = reference(), earlier_rows(options.out / "benchmark.csv")
+    truth, rows = ffr(reference_pressures()), earlier_rows(options.out / "benchmark.csv")
     print(f"reference: FFR {truth:.5f}", file=sys.stderr)
     jobs = [(vci_rows, rings, f"vci_{rings}") for rings in options.rings]
     jobs += [(openfoam_rows, edge, f"openfoam_{edge}") for edge in options.edges]

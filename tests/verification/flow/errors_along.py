@@ -1,9 +1,9 @@
 """Estimated and true errors of FFR along tubes: python3 tests/verification/flow/errors_along.py DIR CASE ...
 
-DIR/CASE: a straight tube of hard_cases.py that it has solved there. Prints a row for each
-(flow/measured.md quotes some): by the axisymmetric solution the largest error of the pull-back, where, and the estimate there; the share of the
-points at which the estimate is no less than the error (but for REFERENCE_ROUNDING), the least estimate over error where
-that exceeds SMALL_ERROR; behind the lesions the largest error and estimate; the outlet's.
+DIR/CASE: a straight tube of hard_cases.py that it has solved there. Prints a row for each (flow/measured.md quotes
+some): by the axisymmetric solution the largest error of the pull-back, where, and the estimate there; the share of
+the points at which the estimate is no less than the error (but for REFERENCE_ROUNDING), the least estimate over error
+where that exceeds SMALL_ERROR; behind the lesions the largest error and estimate; the outlet's.
 """
 
 import json

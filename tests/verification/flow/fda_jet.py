@@ -14,6 +14,7 @@ import sys
 sys.path[:0] = [str(pathlib.Path(__file__).parent)]
 
 import fda_nozzle  # noqa: E402  (makes the packages of the repository known)
+import given_inflow  # noqa: E402
 import growth  # noqa: E402
 import hard_cases  # noqa: E402
 import numpy as np  # noqa: E402
@@ -28,17 +29,17 @@ NEAR_WALL_SHARE = 0.98  # of the radius
 COLUMNS = ("row", *(f"z_{z:g}" for z in PLACES_MM), "within", "reattached", "ffr", "estimate")
 
 
-def document(nozzle):
-    """boundary.json: the flow given, a pressure at the outlet."""
+FLUID = {"density_kg_per_m3": fda_nozzle.DENSITY, "viscosity_pa_s": fda_nozzle.VISCOSITY}
+
+
+def document(nozzle, inlet_pa):
+    """boundary.json for given_inflow: the nozzle's flow, OUTLET_PA at the outlet at this flow, inlet_pa before it."""
     s_mm = float(nozzle.along_mm(PROBE_ORIGINAL_MM))
     outlet = {"name": "outlet1", "region_id": 2, "branch": "main", "flow_m3_per_s": fda_nozzle.FLOW}
-    outlet |= {"resistance_pa_s_per_m3": 0.0, "pressure_pa": OUTLET_PA}
-    return {
-        "map_pa": 93 * 133.322,  # not used: the inflow is given
+    outlet["resistance_pa_s_per_m3"] = OUTLET_PA / fda_nozzle.FLOW
+    return FLUID | {
+        "map_pa": inlet_pa,
         "venous_pressure_pa": 0.0,
-        "density_kg_per_m3": fda_nozzle.DENSITY,
-        "viscosity_pa_s": fda_nozzle.VISCOSITY,
-        "inlet_flow_m3_per_s": fda_nozzle.FLOW,
         "outlets": [outlet],
         "probes": [{"name": "distal", "branch": "main", "s_mm": s_mm, "point_mm": nozzle.branch.point(s_mm).tolist()}],
     }
@@ -73,15 +74,15 @@ def reattachment(z_mm, speed):
     return f"{z_mm[k] + (z_mm[k + 1] - z_mm[k]) * speed[k] / (speed[k] - speed[k + 1]):.1f}"
 
 
-def axisymmetric_row(nozzle, boundary):
-    """Row of the axisymmetric solution."""
-    exact, probe = Nozzle(boundary), boundary["probes"][0]["s_mm"]
+def axisymmetric_row(nozzle):
+    """(row of the axisymmetric solution, its pressure in Pa at the inlet's centre)."""
+    exact, probe = Nozzle(FLUID), float(nozzle.along_mm(PROBE_ORIGINAL_MM))
     exact.solve(fda_nozzle.FLOW)
     on_axis = fda_nozzle.original_velocity(exact.at(nozzle.along_mm(PLACES_MM), 1e-4)[0])
     along = exact.at(nozzle.along_mm(WALL_PLACES_MM), NEAR_WALL_SHARE * fda_nozzle.RADIUS)[0]
     inlet, distal = OUTLET_PA + exact.at((0.01, probe), 1e-4)[1]
     found = {"row": "axisymmetric", **velocities(on_axis), "within": count_within(on_axis)}
-    return found | {"reattached": reattachment(WALL_PLACES_MM, along), "ffr": distal / inlet}
+    return found | {"reattached": reattachment(WALL_PLACES_MM, along), "ffr": f"{distal / inlet:.5f}"}, inlet
 
 
 def vci_row(nozzle, boundary, folder):
@@ -90,7 +91,8 @@ def vci_row(nozzle, boundary, folder):
     (folder / "boundary.json").write_text(json.dumps(boundary))
     line, meshes = ["--centreline", "centreline.vtp"], ["mesh.msh", "--coarse", *hard_cases.COARSE_MESHES]
     growth.command(folder, "mesh", "lumen.vtp", *line, "--out", *meshes)
-    growth.command(folder, "solve", *meshes, *line, "--boundary", "boundary.json", "--out", ".")
+    solve = ["solve", *meshes, *line, "--boundary", "boundary.json", "--out", "."]
+    growth.command(folder, *solve, program=[given_inflow.__file__])
     answer, report = (json.loads((folder / name).read_text()) for name in ("ffr.json", "mesh.json"))
     rings = dict(
         zip((*hard_cases.COARSE_MESHES, "mesh.msh"), (*(part["rings"] for part in report["coarse"]), report["rings"]))
@@ -130,9 +132,8 @@ def main():
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     nozzle = fda_nozzle.make()
-    boundary = document(nozzle)
-    exact = axisymmetric_row(nozzle, boundary)
-    rows = [*laboratory_rows(), exact | {"ffr": f"{exact['ffr']:.5f}"}, vci_row(nozzle, boundary, arguments.out)]
+    exact, inlet_pa = axisymmetric_row(nozzle)
+    rows = [*laboratory_rows(), exact, vci_row(nozzle, document(nozzle, inlet_pa), arguments.out)]
     with (arguments.out / "jet.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()

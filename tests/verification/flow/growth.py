@@ -26,12 +26,15 @@ COLUMNS = ("rings", "coarse_rings", "cells", "dofs", "ffr", "error", "linearisat
 COLUMNS += ("mib",)
 
 
-def command(folder, *arguments):
-    """Runs `python3 -m flow` with `arguments` in `folder`, its words in a log there. Raises CalledProcessError."""
+def command(folder, *arguments, program=("-m", "flow")):
+    """Runs `python3 -m flow` with `arguments` in `folder`, its words in a log there. Raises CalledProcessError.
+
+    program: what Python runs in place of it.
+    """
     environment = {"PYTHONPATH": str(hard_cases.ROOT), "PATH": "/usr/bin:/bin", "OMP_NUM_THREADS": "1"}
     environment["HOME"] = str(pathlib.Path.home())  # without it Open MPI 5 does not start
     with open(folder / f"{arguments[0]}.log", "w") as log:
-        line = [sys.executable, "-m", "flow", *map(str, arguments)]
+        line = [sys.executable, *program, *map(str, arguments)]
         subprocess.run(line, cwd=folder, stdout=log, stderr=log, env=environment, check=True)
 
 

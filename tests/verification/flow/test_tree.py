@@ -109,7 +109,7 @@ def test_newton_converges_quadratically_with_inertia(fork, monkeypatch):
     document = json.loads((folder / "boundary.json").read_text())
     space = spaces.read(folder / "mesh.msh")
     problem = nonlinear.FlowProblem(space, outlets.Boundaries(space, document), document, settings.make())
-    found = newton.newton(problem, 1e-10, 1.0, 8)  # from rest
+    found = newton.newton(problem, 1e-10, 8)  # from rest
     quotients = np.array(problem.residual_history[3:5]) / np.array(problem.residual_history[2:4]) ** 2
     print(
         "residuals", problem.residual_history, "over the squares before", quotients, "factorizations", found.iterations

@@ -132,8 +132,9 @@ def test_recovery_returns_a_cubic_from_its_nodal_values():
 
     targets = nodes[ten].mean(axis=1)
     own = np.arange(len(ten))[:, None]
-    fields = [(3, ten, cubic(nodes), targets, own), (2, ten[:, :4], quadratic(nodes), targets, own)]
-    velocity, pressure = recovery.Patches(nodes, ten).recover(fields)
+    patches, every = recovery.Patches(nodes, ten), np.arange(len(ten))
+    velocity = patches.recover(3, ten, cubic(nodes), targets, own, every)
+    pressure = patches.recover(2, ten[:, :4], quadratic(nodes), targets, own, every)
     assert np.allclose(velocity, cubic(targets), atol=1e-6)
     assert np.allclose(pressure, quadratic(targets), atol=1e-6)
     assert np.abs(cubic(nodes)[ten].mean(axis=1) - cubic(targets)).max() > 0.01  # the mean of the nodes is not enough
@@ -149,19 +150,13 @@ def test_recovery_does_not_depend_on_how_many_patches_are_fitted_together(monkey
     def found():
         patches = recovery.Patches(nodes, ten)
         back = patches.recover_transposed([(3, ten, loads, nodes, ten, group)], 4)[0]
-        return patches.recover([(3, ten, values, nodes, ten)])[0], *(part.toarray() for part in back)
+        there = patches.recover(3, ten, values, nodes, ten, np.arange(len(ten)))
+        return there, *(part.toarray() for part in back)
 
     together = found()
     monkeypatch.setattr(recovery, "LARGEST_BATCH", 1)
     for alone, with_others in zip(found(), together):
         assert alone == pytest.approx(with_others, rel=1e-9, abs=1e-9 * np.abs(with_others).max())
-
-
-def test_recovery_where_no_cell_is_wanted():
-    corners = np.random.default_rng(3).random((20, 3))
-    nodes, ten = _quadratic(corners, Delaunay(corners).simplices)
-    field = 2, ten[:, :4], np.ones((len(nodes), 1)), nodes, ten
-    assert not recovery.Patches(nodes, ten).recover([field], np.zeros(0, int))[0].any()
 
 
 def test_recovery_on_a_lattice_does_not_amplify_rounded_coordinates():
@@ -172,7 +167,8 @@ def test_recovery_on_a_lattice_does_not_amplify_rounded_coordinates():
 
     def recovered(places):
         targets = places[ten].mean(axis=1)
-        return recovery.Patches(places, ten).recover([(3, ten, values, targets, np.arange(len(ten))[:, None])])[0]
+        every = np.arange(len(ten))
+        return recovery.Patches(places, ten).recover(3, ten, values, targets, every[:, None], every)
 
     rounding = 1e-5 * np.random.default_rng(4).standard_normal(nodes.shape)
     assert np.abs(recovered(nodes + rounding) - recovered(nodes)).max() < 1e-3

@@ -14,10 +14,10 @@ from flow.inputs import solution
 INFLOW, EPS = 3e-6, 0.002
 
 
-def quadratic(points):
-    """Velocity (n, 3) and pressure (n,) at points (n, 3) in m: polynomials of degree two."""
+def polynomials(points):
+    """Velocity (n, 3) and pressure (n,) at points (n, 3) in m: of degree two, and of degree one as in each cell."""
     x, y, z = points.T * 1e3
-    return np.stack([1 + x * y, z**2 - y, x * z + 2 * y**2], axis=1), 100 + x**2 - y * z
+    return np.stack([1 + x * y, z**2 - y, x * z + 2 * y**2], axis=1), 100 + x - 2 * y + 3 * z
 
 
 @pytest.fixture
@@ -28,7 +28,7 @@ def folder(tmp_path):
     straight = tet10.orient_positive(corners, np.arange(24).reshape(6, 4))
     corners = corners[straight]
     nodes = np.concatenate([corners, corners[:, tet10.EDGES].mean(axis=2)], axis=1).reshape(-1, 3) * 1e-3
-    velocity, pressure = quadratic(nodes)
+    velocity, pressure = polynomials(nodes)
     fields = {"velocity_m_per_s": velocity, "pressure_pa": pressure}
     output.write_vtu(tmp_path / "solution.vtu", nodes, np.arange(60).reshape(6, 10), fields)
     document = {"mesh": "mesh.msh", "inlet_flow_m3_per_s": INFLOW, "artificial_viscosity": EPS}
@@ -43,6 +43,6 @@ def test_in_the_same_lumen_the_guess_is_the_flow_itself(folder):
     start = solution.read(folder, tree, tree)
     assert (start.inflow, start.artificial_viscosity, start.mesh_name) == (INFLOW, EPS, "mesh.msh")
     points = np.random.default_rng(1).uniform(0.05, 0.95, (200, 3)) * 1e-3
-    velocity, pressure = quadratic(points)
+    velocity, pressure = polynomials(points)
     found = start.fields_at(points)
     assert found[0] == pytest.approx(velocity, abs=1e-9) and found[1] == pytest.approx(pressure, abs=1e-7)

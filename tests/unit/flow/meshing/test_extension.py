@@ -184,14 +184,13 @@ def test_a_report_that_is_missing_is_refused_or_said(tmp_path, capsys):
     assert warnings("--mesh-report", str(tmp_path / "report.json")) == [of_the_model]
 
 
-def test_meshes_that_could_not_be_swept_are_said(tmp_path, mesh, capsys):
+def test_meshes_that_could_not_be_swept_are_said(tmp_path, mesh):
     path, failed = tmp_path / "mesh.json", {"cells": 0, "spans": [], "reason": "error: no room\n  where:  span 2"}
     path.write_text(
         json.dumps({"extensions": [], "cells": 9, "swept": {"cells": 4}, "coarse": [{"swept": failed}, {"swept": {}}]})
     )
     (said,) = extended.read_report(path, mesh)[1]
     assert "coarsest mesh is not swept" in said and said.endswith("error: no room where: span 2")
-    assert said in capsys.readouterr().err
 
 
 @pytest.mark.slow

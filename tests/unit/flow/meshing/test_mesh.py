@@ -241,21 +241,6 @@ def test_a_bad_mesh_is_refused(monkeypatch, settings):
         mesh.build(tubes.tube(5, lambda s: 1.5), tree, 2.0, settings)
 
 
-def test_a_coarse_mesh_that_is_not_coarser_is_made_in_another_size(monkeypatch, capsys):
-    """As where junctions with slivers leave it isotropic, with more cells than the fine one."""
-    asked, cells = [], {2.0: 120, 2.2: 100, 1.8: 90, 1.6: 80}
-
-    def build(surface, tree, cells_per_radius, *_):
-        asked.append(round(cells_per_radius, 9))
-        return "mesh", {"cells": cells[asked[-1]]}
-
-    monkeypatch.setattr(mesh, "build", build)
-    assert mesh.build_coarser(100, None, None, 2.0, None, 3, 4 / 3) == ("mesh", {"cells": 90})
-    assert asked == [2.0, 2.2, 1.8] and "120 cells, not fewer than 100" in capsys.readouterr().err
-    left_out = None, {"rings": 3, "cells": 80, "not_fewer_than": 80}
-    assert mesh.build_coarser(80, None, None, 2.0, None, 3, 4 / 3) == left_out
-
-
 def test_a_mesh_that_is_not_coarser_is_left_out_of_the_sequence(monkeypatch, tmp_path):
     """As in a short vessel that was swept with three rings alone: its file is empty, and the next counts from there."""
     cells = {4: 300, 3: 400, 2: 200}
@@ -272,7 +257,7 @@ def test_a_mesh_that_is_not_coarser_is_left_out_of_the_sequence(monkeypatch, tmp
 
 @pytest.mark.parametrize("others, of_the_mesh", [([("a.msh", 2), ("b.msh", 3)], (2.0, 2, 2.0)), ([], (3.0, 4, 1.0))])
 def test_the_mesh_of_a_reduced_model_is_the_coarsest(monkeypatch, tmp_path, others, of_the_mesh):
-    monkeypatch.setattr(mesh, "build", lambda *given: ("made", {"built": (given[2], *given[4:])}))
+    monkeypatch.setattr(mesh, "build", lambda *given: ("made", {"cells": 1, "built": (given[2], *given[4:])}))
     monkeypatch.setattr(mesh, "write", lambda built, path: path.write_text(built))
     paths, report = [(tmp_path / name, rings) for name, rings in [*others, ("c.msh", 4)]], {}
     settings = settings_module.make(coarse_cells_per_radius=2.0, cells_per_radius=3.0)

@@ -25,14 +25,6 @@ def test_newtonian_is_the_default():
     assert fluid(np.array([0.0, 1e3])) == pytest.approx(0.004)
 
 
-@pytest.mark.parametrize(
-    "change", [{"model": "casson"}, {"infinite_shear_pa_s": 0.1}, {"infinite_shear_pa_s": 0.0}], ids=str
-)
-def test_what_makes_no_fluid_is_refused(change):
-    with pytest.raises(InputError, match="viscosit"):
-        viscosity.from_document({"viscosity": {**GIVEN, **change}})
-
-
 def test_unknown_model_in_the_settings_is_refused():
     with pytest.raises(InputError, match="viscosity_model"):
         settings.make(viscosity_model="casson")

@@ -86,7 +86,7 @@ def test_expansion_loss_is_borda_carnot():
 def test_noise_on_the_areas_costs_little():
     s = np.linspace(0, 30, 301)
     area = np.pi * 1.5**2 * (1 + 0.01 * np.random.default_rng(0).normal(size=len(s)))
-    assert (network_model._throats(area) < 0).all()
+    assert (network_model._throat_of_each_section(area) < 0).all()
 
 
 def test_resistances_at_a_fraction_of_the_flow():

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+import scipy.sparse
 from petsc4py import PETSc
 
 from common.errors import ComputationError
+from flow.discretisation import tangent
 from flow.solvers import linear
 
 SIZE, COUNT = 40, 3
@@ -21,31 +23,48 @@ def _solver(values):
     return solver, matrix
 
 
-def _vectors(matrix, values):
-    """Vectors of the columns of `values`."""
-    vectors = [matrix.createVecRight() for _ in values.T]
-    for vector, column in zip(vectors, values.T):
-        vector.array[:] = column
-    return vectors
-
-
 @pytest.mark.parametrize("count", (1, COUNT))
 def test_several_right_sides_have_the_solutions_of_each(count):
     random = np.random.default_rng(0)
     values, given = random.normal(size=(SIZE, SIZE)), random.normal(size=(SIZE, count))
-    solver, matrix = _solver(values)
-    rights, solutions = _vectors(matrix, given), _vectors(matrix, np.zeros((SIZE, count)))
-    solver.solve_all(rights, solutions)
-    expected = np.linalg.solve(values, given)
-    assert np.stack([one.array for one in solutions], axis=1) == pytest.approx(expected, rel=1e-9)
-    assert np.stack([one.array for one in rights], axis=1) == pytest.approx(given, rel=0)
+    solver, _ = _solver(values)
+    before = given.copy()
+    assert solver.solve(given) == pytest.approx(np.linalg.solve(values, given), rel=1e-9)
+    assert (given == before).all()
     solver.destroy()
 
 
 def test_solutions_that_are_not_finite_are_refused():
-    solver, matrix = _solver(np.eye(SIZE))
+    solver, _ = _solver(np.eye(SIZE))
     given = np.ones((SIZE, COUNT))
     given[0, 1] = np.nan
     with pytest.raises(ComputationError, match="not finite"):
-        solver.solve_all(_vectors(matrix, given), _vectors(matrix, given))
+        solver.solve(given)
+    solver.destroy()
+
+
+def test_new_values_are_factorized_anew():
+    """Also those that were written into a matrix's own array, as discretisation.tangent does it."""
+    random = np.random.default_rng(1)
+    pattern, given = scipy.sparse.csr_matrix(random.normal(size=(SIZE, SIZE))), random.normal(size=(SIZE, 1))
+    matrix, solver = tangent._matrix_on(pattern, pattern.data), linear.DirectSolver()
+    for _ in range(3):
+        matrix.assemble()
+        solver.set_matrix(matrix)
+        assert solver.solve(given) == pytest.approx(np.linalg.solve(pattern.toarray(), given), rel=1e-9)
+        pattern.data[:] = random.normal(size=pattern.nnz)
+    assert solver.factorizations == 3
+    solver.destroy()
+
+
+def test_the_border_is_solved_for_once():
+    random = np.random.default_rng(2)
+    whole, given = random.normal(size=(SIZE, SIZE)), random.normal(size=(SIZE, COUNT))
+    inner = SIZE - 2
+    solver, _ = _solver(whole[:inner, :inner])
+    parts = whole[:inner, inner:], whole[inner:, :inner], whole[inner:, inner:]
+    bordered, expected = linear.BorderedSystem(solver, *parts), np.linalg.solve(whole, given)
+    for chosen in (slice(0, 1), slice(1, COUNT)):
+        found = bordered.solve(given[:inner, chosen], given[inner:, chosen])
+        assert np.concatenate(found) == pytest.approx(expected[:, chosen], rel=1e-9)
     solver.destroy()
