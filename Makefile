@@ -34,7 +34,7 @@ build: setup $(BUILD)/build.ninja $(BUILD)/three.min.js ## compile programs and 
 validate: setup ## check every configuration file
 	@$(PYTHON) -m workflow validate
 
-study: build ## run a cohort (COHORT=nine|three|quick|contrast|hard|real) or single cases (CASES="lad01 rca01"); -j by CORES
+study: build ## run a cohort (COHORT=nine|three|quick|contrast|pressures|hard|real) or single cases (CASES="lad01 rca01"); -j by CORES
 	@began=$$(date +%s); $(RUN_STUDY) || { \
 	  if [ -n "$$(ls -A .snakemake/locks 2>/dev/null)" ]; then \
 	    echo "the folder is locked: another run works in it, or one was killed; if none runs any more: make unlock" >&2; \

@@ -27,7 +27,9 @@ def _headings(text):
 def _written_headings(module):
     """{table: the headings that it is written with}."""
     headings = {name: list(columns.values()) for name, (_, columns) in module.TABLES.items()}
-    return headings | ({module.STUDY: list(module.STUDY_COLUMNS)} if hasattr(module, "STUDY") else {})
+    if hasattr(module, "STUDY"):
+        headings[module.STUDY] = list(module.STUDY_COLUMNS)
+    return headings | {cohort: module.CONTRAST_HEADINGS for cohort in getattr(module, "PREFIXES", ())}
 
 
 PAGES = {part: _tables(part) for part in ("flow", "vci")}

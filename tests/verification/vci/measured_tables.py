@@ -1,17 +1,19 @@
-"""Tables of vci/measured.md from the benchmarks' CSV files.
+"""Tables of vci/measured.md from the benchmarks' CSV files, and from contrast.csv of a study.
 
     /usr/bin/python3 tests/verification/vci/measured_tables.py results
 
-A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`, NAME being the folder of a benchmark; where
-it was not run the table stays.
+A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`, NAME being the folder of a benchmark, or a
+cohort of PREFIXES; where it was not run the table stays.
 """
 
+import csv
+import functools
 import pathlib
 import sys
 
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1])]
 
-from page_tables import Page  # noqa: E402
+from page_tables import Page, markdown  # noqa: E402
 
 # benchmark: its table's file, and columns of it under the headings of the page
 TABLES = {
@@ -145,9 +147,40 @@ DIGITS = {
     "worst_penetration_mm": ".3f",
     "minimal_area_mm2": ".1f",
 }
+PREFIXES = {"pressures": "pressure_"}  # cohort: how the names of its cases begin
+# quantity of contrast.csv: its heading, and the format of its errors
+CONTRAST_ERRORS = {
+    "area_profile": ("rms of the area along the stent, mm2", ".2f"),
+    "mean_area": ("mean area, mm2", "+.2f"),
+    "minimum_area": ("smallest area, mm2", "+.2f"),
+    "ffr": ("FFR", "+.4f"),
+    "mean_curvature": ("mean curvature, 1/mm", "+.3f"),
+}
+CONTRAST_HEADINGS = ["case", "truth: mean and smallest area, mm2"]
+CONTRAST_HEADINGS += [f"{heading}: VCI, radius correction" for heading, _ in CONTRAST_ERRORS.values()]
 
 
-PAGE = Page("vci", TABLES, DIGITS)
+def errors_of_both_methods(results, cohort):
+    """Markdown with a row for each case of a cohort: both methods' errors; None if contrast.csv has no such case."""
+    path, prefix, cases = results / "study" / "contrast.csv", PREFIXES[cohort], {}
+    if path.is_file():
+        with path.open(newline="") as file:
+            for row in csv.DictReader(file):
+                if row["case"].startswith(prefix):
+                    cases.setdefault(row["case"].removeprefix(prefix), {})[row["quantity"]] = row
+    rows = []
+    for case, found in cases.items():
+        areas = [f"{float(found[name]['value']):.2f}" for name in ("mean_area", "minimum_area")]
+        row = [f"`{case}`", ", ".join(areas)]
+        for quantity, (_, digits) in CONTRAST_ERRORS.items():
+            errors = [found.get(quantity, {}).get(f"error_{method}", "") for method in ("vci", "rc")]
+            row.append(", ".join(f"{float(error):{digits}}" for error in errors if error))
+        rows.append(row)
+    return markdown(CONTRAST_HEADINGS, rows) if rows else None
+
+
+CONTRAST_TABLES = {cohort: functools.partial(errors_of_both_methods, cohort=cohort) for cohort in PREFIXES}
+PAGE = Page("vci", TABLES, DIGITS, CONTRAST_TABLES)
 
 if __name__ == "__main__":
     PAGE.main()
