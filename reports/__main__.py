@@ -7,7 +7,7 @@ import sys
 from common.errors import InputError, guarded
 from common.files import write_json, write_table
 from reports.inputs.case_files import SEGMENTATION_ARMS, STATES, CaseFiles
-from reports.inputs.reading import read_json
+from reports.inputs.reading import read_failed, read_json
 
 
 def case_files(args):
@@ -72,16 +72,11 @@ def run_patients(args):
         documents, {document["case"]: load_case(configs[document["case"]]) for document in documents}
     )
     states = {document["case"]: list(document["states"]) for document in documents}
-    failed = dict.fromkeys(step["case"] for step in failed_steps(args.failed))
+    failed = dict.fromkeys(step["case"] for step in read_failed(args.failed))
     steps = inclusion_table(table, states, [case for case in failed if case not in states])
     write_table(args.out, table, digits=None)
     write_table(args.inclusion, steps, digits=None)
     inclusion_figure(steps, args.figures_dir)
-
-
-def failed_steps(path):
-    """The entries of failed.json, which `workflow failed` makes; empty without a path."""
-    return read_json(path, "workflow failed")["failed"] if path else []
 
 
 def run_subgroups(args):
@@ -152,7 +147,7 @@ def run_report(args):
     from reports.page.build import build_report
 
     paths = args.study_dir, args.figures_dir, args.out
-    metadata = args.software, args.cohort, args.benchmarks, args.provenance, failed_steps(args.failed)
+    metadata = args.software, args.cohort, args.benchmarks, args.provenance, args.failed
     build_report(case_files(args), *paths, args.junit, *metadata, args.three)
 
 
@@ -160,7 +155,7 @@ def run_numbers(args):
     from reports.record.numbers import report_numbers
 
     write_json(
-        args.out, report_numbers(case_files(args), args.study_dir, args.cohort, args.junit, failed_steps(args.failed))
+        args.out, report_numbers(case_files(args), args.study_dir, args.cohort, args.junit, read_failed(args.failed))
     )
 
 
@@ -176,8 +171,8 @@ def run_crate(args):
 def run_check(args):
     from reports.page.check import check_report
 
-    check_report(args.report, args.screenshot, args.window)
-    print(f"{args.report}: no console error, no external reference")
+    pages = check_report(args.report, args.screenshots, args.window)
+    print(f"{args.report}: {len(pages)} pages, no console error, no missing file, no reference out of the folder")
 
 
 def parser():
@@ -273,7 +268,7 @@ def parser():
     command.add_argument("--out", required=True, type=path, help="the JSON file")
     command.set_defaults(run=run_software)
 
-    command = commands.add_parser("report", help="the whole study in one HTML file")
+    command = commands.add_parser("report", help="the whole study as pages: an index, and one a case")
     command.add_argument("--case-dir", required=True, nargs="+", type=path, help="results/cases/<case>, of each case")
     command.add_argument("--study-dir", required=True, type=path, help="results/study, with its CSV files")
     command.add_argument("--figures-dir", required=True, type=path, help="results/figures")
@@ -284,7 +279,7 @@ def parser():
     command.add_argument("--benchmarks", type=path, help="results/benchmarks, with a folder for each that was run")
     command.add_argument("--failed", type=path, help="failed.json of `workflow failed`: cases that have no result")
     command.add_argument("--three", type=path, default=path("build/three.min.js"), help="three.js (build/three.min.js)")
-    command.add_argument("--out", required=True, type=path, help="results/report/index.html")
+    command.add_argument("--out", required=True, type=path, help="the report's folder, results/report")
     command.set_defaults(run=run_report)
 
     command = commands.add_parser("numbers", help="the numbers of the study's tables in one file -> report.json")
@@ -305,10 +300,10 @@ def parser():
     )
     command.set_defaults(run=run_crate)
 
-    command = commands.add_parser("check", help="open a report in headless Chromium; fail on any error or reference")
-    command.add_argument("report", type=path, help="the HTML file")
-    command.add_argument("--screenshot", type=path, help="also save a picture (PNG)")
-    command.add_argument("--window", default="1440,900", help="width,height of the picture in pixels (1440,900)")
+    command = commands.add_parser("check", help="open each page of a report in headless Chromium; fail on any error")
+    command.add_argument("report", type=path, help="the report's index.html")
+    command.add_argument("--screenshots", type=path, help="a folder for a picture of each page (PNG)")
+    command.add_argument("--window", default="1440,900", help="width,height of the pictures in pixels (1440,900)")
     command.set_defaults(run=run_check)
     return root
 

@@ -2,10 +2,10 @@
 
 import os
 import pathlib
-import re
 
 from common.errors import InputError
 from common.files import sha256, write_json
+from common.machine import machine
 from common.documents.json_reader import read
 
 SCHEMA = "vci-provenance-1"
@@ -33,7 +33,7 @@ def write_provenance(configuration, cases, results, programs, software, out):
     document = {
         "schema": SCHEMA,
         "software": read(software, "vci-software-1").data,
-        "processor": _processor_name(),
+        "processor": machine()["processor"],
         "environment": {name: os.environ[name] for name in ENVIRONMENT_VARIABLES if name in os.environ},
         "programs": {pathlib.Path(program).name: sha256(program) for program in programs},
         "study": _file_hashes([configuration.folder / "study.yaml"]),
@@ -124,10 +124,3 @@ def _read_commands(logs):
             )
         found[str(log.relative_to(logs))] = first[2:].rstrip("\n")
     return found
-
-
-def _processor_name():
-    """The processor's name as Linux gives it; empty if Linux gives none."""
-    text = pathlib.Path("/proc/cpuinfo").read_text()
-    found = re.search(r"^model name\s*: (.*)$", text, re.M)
-    return found.group(1) if found else ""

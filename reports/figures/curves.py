@@ -15,6 +15,19 @@ WIRE_MARKS = (("ffr_pre", "before PCI", "none"), ("ffr_post", "after PCI", COLOU
 ERROR_BAND_OPACITY = 0.25  # opacity of the band of estimated error round a curve
 HEADROOM = 0.12  # room above the curves for the name of the shaded segment, as a share of the height below
 LEGEND_ROW, LEGEND_MARGIN = 0.18, 0.12  # inches: height of a row of the legend, and of the space round it
+# Ends of an axis: of a small vessel, and of any other. They are fixed, so that patients can be compared although each
+# figure is drawn from one case alone. Areas of a lumen 3.6 and 5.6 mm wide; curvatures of a bend with a radius of 6.7
+# and 2.9 mm; losses of FFR.
+AREA_TOPS_MM2, CURVATURE_TOPS_PER_MM, FFR_LOSSES = (10.0, 25.0), (0.15, 0.35), (0.25, 0.5)
+
+
+def axis_end(largest, ends):
+    """The end of an axis that shows values from 0 to `largest`: the smaller of both `ends` if it suffices.
+
+    Else the larger one, or the least multiple of it that suffices.
+    """
+    small, usual = ends
+    return small if largest <= small else usual * max(1, math.ceil(largest / usual))
 
 
 def pullback_figure(files, metrics, folder):
@@ -38,7 +51,7 @@ def pullback_figure(files, metrics, folder):
     axes.axhline(FFR_THRESHOLD, color="#b0413e", linewidth=0.9, linestyle=(0, (2, 2)))
     axes.annotate("0.80", (1.0, FFR_THRESHOLD), (3, 0), xycoords=("axes fraction", "data"), textcoords="offset points")
     axes.texts[-1].set(color="#b0413e", va="center", fontsize=8.5)
-    lower = min(0.75, lowest - 0.02)
+    lower = 1.0 - axis_end(1.0 - lowest, FFR_LOSSES)
     axes.set(title="FFR pull-back", ylabel="FFR", ylim=(lower, 1.0 + HEADROOM * (1.0 - lower)), xmargin=0.0)
     axes.set_xlabel(f"distance along {metrics['segment']['branch']} (mm)")
     legend_below(figure)
@@ -77,11 +90,11 @@ def shade_segment(axes, segment):
     axes.texts[-1].set(ha="center", va="top", color="#8f866c", fontsize=8.5)
 
 
-def segment_figure(metrics, folder, name, title, label, profile, mean):
+def segment_figure(metrics, folder, name, title, label, profile, mean, ends):
     """Writes <case>_<name>.{svg,png}: one quantity along the segment in all states, with the means in the legend.
 
     States are drawn at equal relative position. profile, mean: functions of a state's entry in metrics.json, which
-    return the values at the stations and the mean as a text.
+    return the values at the stations and the mean as a text. ends: possible ends of the axis, see `axis_end`.
     """
     figure, axes = plt.subplots(figsize=FIGURE_SIZE)
     length = metrics["segment"]["s_end_mm"] - metrics["segment"]["s_start_mm"]
@@ -92,7 +105,7 @@ def segment_figure(metrics, folder, name, title, label, profile, mean):
         draw_state(axes, state, x, profile(entry))
         axes.lines[-1].set_label(f"{axes.lines[-1].get_label()}: mean {mean(entry)}")
     axes.set(title=title, ylabel=label, xlabel="distance along the segment (mm, length before PCI)", xmargin=0.0)
-    top = max(max(profile(entry)) for entry in metrics["states"].values())
+    top = axis_end(max(max(profile(entry)) for entry in metrics["states"].values()), ends)
     axes.set_ylim(0.0, (1.0 + HEADROOM) * top)
     legend_below(figure)
     save_figure(figure, folder, f"{metrics['case']}_{name}")
@@ -108,6 +121,7 @@ def area_figure(metrics, folder):
         "CSA (mm²)",
         lambda entry: entry["area"]["profile_mm2"],
         lambda entry: f"{entry['area']['mean_mm2']:.2f} mm²",
+        AREA_TOPS_MM2,
     )
 
 
@@ -121,4 +135,5 @@ def curvature_figure(metrics, folder):
         "curvature (1/mm)",
         lambda entry: entry["curvature"]["profile_per_mm"],
         lambda entry: f"{entry['curvature']['mean_per_mm']:.3f} /mm",
+        CURVATURE_TOPS_PER_MM,
     )

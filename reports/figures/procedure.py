@@ -38,6 +38,7 @@ def procedure_figure(case, deployment, frames, folder):
         axes.set_axis_off()
     rows = stage_rows(stages)
     # Stents come first among a frame's devices. In a step's last stage the balloon is removed, so only stents are left.
+    # Their number tells which devices of the step's earlier stages are stents.
     stents = {line: len(devices) for (_, devices), (line, _) in zip(frames_shown, rows)}
     for (lumen, devices), stage, (line, first) in zip(frames_shown, stages, rows):
         axes = grid[line, list(STAGE_TITLES).index(stage["stage"])]

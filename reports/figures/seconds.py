@@ -31,7 +31,9 @@ def seconds_figure(timings, folder):
         axes.set_xticks(range(1, len(names) + 1), [name.replace("_", " ") for name in names])
         axes.tick_params(axis="x", labelsize=8)
         axes.set(title=title)
-        axes.set_ylim(0, 1.15 * axes.dataLim.y1)
+    for panels in (row[:2], row[2:]):  # a stage and a step last about as long, the whole procedure longer
+        top = 1.15 * max(axes.dataLim.y1 for axes in panels)
+        plt.setp(panels, ylim=(0, top))
     row[0].set_ylabel("s")
     row[0].legend(loc="center right", fontsize=8.5)
     save_figure(figure, folder, "seconds")

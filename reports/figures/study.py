@@ -54,7 +54,8 @@ def study_figures(documents, folder):
 def agreement_figure(documents, folder):
     """Writes agreement.{svg,png}: Bland-Altman plots of FFR, areas and curvature, with a row for each kind of error.
 
-    The published agreement is of the kind `clinical` and is drawn in that row.
+    The rows of a quantity share the axis of the difference, so that the errors can be compared. The published agreement
+    is of the kind `clinical` and is drawn in that row.
     """
     comparisons = {kind: [(a, b) for a, b, error in COMPARISONS if error == kind] for kind in ERROR_LABELS}
     shown = [
@@ -65,15 +66,18 @@ def agreement_figure(documents, folder):
     entries = sum(has_pairs(documents, common_quantity(kind), [pair]) for kind in shown for pair in comparisons[kind])
     legend_height = LEGEND_MARGIN + LEGEND_ROW * -(-(entries + ("clinical" in shown)) // 2)
     height = ROW_HEIGHT * len(shown) + legend_height
-    figure, grid = plt.subplots(len(shown), len(QUANTITIES), figsize=(13.5, height), squeeze=False)
+    figure, grid = plt.subplots(len(shown), len(QUANTITIES), figsize=(13.5, height), squeeze=False, sharey="col")
     for row, kind in zip(grid, shown):
         for axes, quantity in zip(row, QUANTITIES):
             if not has_pairs(documents, quantity, comparisons[kind]):
                 axes.set_axis_off()
                 continue
-            agreement_panel(axes, documents, quantity, comparisons[kind], kind == "clinical")
+            agreement_panel(axes, documents, quantity, comparisons[kind])
         first = next(axes for axes in row if axes.axison)
         first.set_ylabel(f"{ERROR_LABELS[kind]}\n{first.get_ylabel()}")
+    if "clinical" in shown:
+        for axes, quantity in zip(grid[shown.index("clinical")], QUANTITIES):
+            draw_published(axes, published_results()["quantities"].get(quantity))
     columns = [row[list(QUANTITIES).index(common_quantity(kind))] for row, kind in zip(grid, shown)]
     legend = {label: handle for axes in columns for handle, label in zip(*axes.get_legend_handles_labels())}
     if "clinical" in shown:
@@ -97,12 +101,23 @@ def has_pairs(documents, quantity, pairs):
     return any(paired_values(documents, quantity, a, b)[0] for a, b in pairs)
 
 
-def agreement_panel(axes, documents, quantity, pairs, with_published):
+def draw_published(axes, source):
+    """Draws the published bias and limits of agreement behind a panel. source: of published.json, or None.
+
+    They leave the axis as it is: they may be many times wider than this study's errors, which could then not be told
+    apart. The limits are written too, since the band may reach beyond the axis.
+    """
+    if not source or not axes.axison:
+        return
+    axes.set_ylim(axes.get_ylim())
+    axes.axhspan(source["loa_lower"], source["loa_upper"], color=PUBLISHED_COLOUR, alpha=0.22, linewidth=0)
+    axes.axhline(source["bias"], color=PUBLISHED_COLOUR, linewidth=1.2)
+    words = f"published: {source['bias']:g} ({source['loa_lower']:g} to {source['loa_upper']:g})".replace("-", "−")
+    axes.set_xlabel(f"{axes.get_xlabel()}\n{words}")
+
+
+def agreement_panel(axes, documents, quantity, pairs):
     """Bland-Altman plot of one quantity: a - b against the mean of both, for each pair of states (a, b)."""
-    source = published_results()["quantities"].get(quantity) if with_published else None
-    if source:
-        axes.axhspan(source["loa_lower"], source["loa_upper"], color=PUBLISHED_COLOUR, alpha=0.22, linewidth=0)
-        axes.axhline(source["bias"], color=PUBLISHED_COLOUR, linewidth=1.2)
     axes.axhline(0.0, color="#555555", linewidth=0.8)
     for a, b in pairs:
         cases, first, second = paired_values(documents, quantity, a, b)

@@ -120,6 +120,16 @@ class CaseFiles:
         ffr, error = (number(document, key, path) for key in (f"lumens.{state}.ffr", "error"))
         return {"ffr": ffr, "model": entry(document, "model", path), "error_estimate": {"ffr": error}}
 
+    @property
+    def deployed_lumen(self):
+        """The lumen that `vci deploy` wrote, with arrays on the wall. Its anatomy step makes another mesh of it."""
+        return self.folder / "vci" / "lumen.vtp"
+
+    def stent_files(self):
+        """Files of the deployed stents' smooth surfaces, in the order of `stents` in deployment.json."""
+        found = [path for path in (self.folder / "vci" / "devices").glob("stent*.vtp") if path.stem[5:].isdigit()]
+        return sorted(found, key=lambda path: int(path.stem[5:]))
+
     def strut_files(self):
         """Files of the stents' struts after deployment, sorted by name. Balloons have none: they leave the vessel."""
         return sorted((self.folder / "vci" / "devices").glob("*_struts.vtp"))

@@ -3,6 +3,7 @@
 import dataclasses
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from common import vtp
 from common.errors import InputError
@@ -51,15 +52,37 @@ def read_centreline(path, branch):
 
     Raises InputError if the file, its arrays or the branch are missing.
     """
+    lines = read_branches(path)
+    if branch not in lines:
+        raise InputError("the centreline has no such branch", path, branch, f"branches there: {', '.join(lines)}")
+    return lines[branch]
+
+
+def read_branches(path):
+    """{name: Polyline} of all branches in a centreline.vtp. Raises InputError if the file or its arrays are missing."""
     polydata = read_polydata(path, "anatomy")
     names = polydata.GetCellData().GetAbstractArray("branch_name")
     if names is None:
         raise InputError("a VTK array is missing", path, "branch_name", "repeat the anatomy step; see docs/design.md")
-    branches = [str(names.GetValue(k)) for k in range(polydata.GetNumberOfCells())]
-    if branch not in branches:
-        raise InputError("the centreline has no such branch", path, branch, f"branches there: {', '.join(branches)}")
-    rows = vtp.lines(polydata)[branches.index(branch)]
+    points = vtp.points(polydata)
     s_mm, curvature = (
         read_array(polydata.GetPointData(), key, path).astype(float) for key in ("s_mm", "curvature_per_mm")
     )
-    return Polyline(vtp.points(polydata)[rows], s_mm[rows], str(path), curvature[rows])
+    return {
+        str(names.GetValue(k)): Polyline(points[rows], s_mm[rows], str(path), curvature[rows])
+        for k, rows in enumerate(vtp.lines(polydata))
+    }
+
+
+def nearest_places(lines, points, spacing_mm=0.05):
+    """Branch names (n,) and arc lengths (n,) in mm of the places on `lines` nearest to points (n, 3) in mm.
+
+    lines: {name: Polyline}. The arc length is exact to half of `spacing_mm`.
+    """
+    samples = {
+        name: np.linspace(line.s_mm[0], line.s_mm[-1], 1 + int(np.ceil(np.ptp(line.s_mm) / spacing_mm)))
+        for name, line in lines.items()
+    }
+    _, nearest = cKDTree(np.vstack([lines[name].point_at(s) for name, s in samples.items()])).query(points)
+    branches = np.repeat(list(samples), [len(s) for s in samples.values()])
+    return branches[nearest], np.concatenate(list(samples.values()))[nearest]

@@ -25,6 +25,11 @@ def read_json(path, made_by):
     return json_reader.read(require_file(path, made_by), made_by, f"repeat: {made_by}").data
 
 
+def read_failed(path):
+    """The entries of failed.json, which `workflow failed` makes; empty without a path."""
+    return read_json(path, "workflow failed")["failed"] if path else []
+
+
 def entry(document, keys, path):
     """document[k1][k2]... for keys "k1.k2"; InputError with the missing key. `path` is named in the message."""
     value = document

@@ -2,6 +2,7 @@
 
 from common.errors import InputError
 from reports.inputs.reading import entry, number, read_json
+from reports.measuring.stent_edges import stent_edges
 
 DEPLOYMENT_KEYS = (
     "status",
@@ -116,9 +117,10 @@ def procedure_summary(files):
 
 
 def deployment_summary(files):
-    """The values DEPLOYMENT_KEYS of deployment.json, and the largest residual and penetration (mm) of its stages.
+    """The values DEPLOYMENT_KEYS of deployment.json, its worst stages, and the wall's stretch at the stents' edges.
 
-    Without stages these two are None.
+    worst_residual and worst_max_penetration_mm are the largest of the stages, None without stages. stent_edges: the
+    rows of that function.
     """
     document = read_json(files.deployment, "vci deploy")
     stages = entry(document, "stages", files.deployment)
@@ -126,4 +128,5 @@ def deployment_summary(files):
     for key in ("residual", "max_penetration_mm"):
         values = [number(stage, key, files.deployment) for stage in stages]
         summary[f"worst_{key}"] = max(values) if values else None
+    summary["stent_edges"] = stent_edges(files, entry(document, "stents", files.deployment))
     return summary

@@ -14,7 +14,7 @@ from reports.measuring.pressure_wire import MEASURED, ffr_at_wire, wire_summary
 from reports.inputs.polyline import read_centreline
 from reports.measuring.profiles import ffr_error_estimate, state_profiles
 from reports.inputs.reading import entry, read_json
-from reports.measuring.segment import read_sections, stented_segment
+from reports.measuring.segment import read_sections, treated_segment
 
 DEFAULT_MARGIN_MM = 2.0
 DEFAULT_STATIONS = 101
@@ -63,7 +63,7 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
             "the state before the procedure is missing", files.folder, states, "run anatomy and flow of pre"
         )
     case, lines = load_case(config) if config is not None else None, {}
-    segment = stented_segment(files.scene, files.anatomy("pre") / "centreline.vtp", margin_mm)
+    segment = treated_segment(files.scene, files.anatomy("pre") / "centreline.vtp", margin_mm)
     for state in states:
         lines[state] = read_centreline(files.anatomy(state) / "centreline.vtp", segment.branch)
     pre_sections = read_sections(files.anatomy("pre") / "sections.csv", segment.branch)

@@ -15,7 +15,7 @@ FLAGS = (*USED_FLAGS, "end")
 
 
 @dataclasses.dataclass(frozen=True)
-class StentedSegment:
+class TreatedSegment:
     """The treated segment on the pre-PCI centreline `line`: branch, arc lengths and points (3,) of its ends, in mm.
 
     The margins are included.
@@ -56,8 +56,8 @@ class StateSegment:
         return self.s_start_mm + np.asarray(relative) * self.length_mm
 
 
-def stented_segment(scene_path, pre_line_path, margin_mm):
-    """The StentedSegment of a scene.json, `margin_mm` longer at both ends and kept on the branch.
+def treated_segment(scene_path, pre_line_path, margin_mm):
+    """The TreatedSegment of a scene.json, `margin_mm` longer at both ends and kept on the branch.
 
     Raises InputError for a segment that is empty or lies outside its branch.
     """
@@ -70,7 +70,7 @@ def stented_segment(scene_path, pre_line_path, margin_mm):
         remedy = f"give a segment within {low:.2f} to {high:.2f} mm of branch {branch}"
         raise InputError("the treated segment is not on its branch", scene_path, f"{start} to {end} mm", remedy)
     start, end = max(low, start - margin_mm), min(high, end + margin_mm)
-    return StentedSegment(line, branch, float(start), float(end), line.point_at(start), line.point_at(end))
+    return TreatedSegment(line, branch, float(start), float(end), line.point_at(start), line.point_at(end))
 
 
 def map_segment(segment, line, diameter_mm, may_end_within=False):

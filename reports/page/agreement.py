@@ -1,6 +1,6 @@
 """The tables of agreement for the page, with its names, digits and units, by group of patients."""
 
-from reports.page.digits import decimals
+from reports.page.digits import MOST_DIGITS, decimals
 from reports.study.contrast import AREA_PROFILE
 from reports.study.inclusion import GROUPS, meets_criterion
 
@@ -12,7 +12,6 @@ QUANTITY_NAMES = {
 }
 CONTRAST_NAMES = QUANTITY_NAMES | {AREA_PROFILE: "CSA along the stent, rms"}
 QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}  # least number of decimals
-MOST_DIGITS = 6  # decimals
 UNITS = {"1": "", "mm2": "mm²", "1/mm": "/mm"}
 # prediction -> {error that depends on the segmentation of CT: the comparison that shows it}
 SEGMENTATION_COMPARISONS = {
@@ -95,7 +94,7 @@ def nearer_rows(rows):
 
 
 def contrast_rows(rows, contexts):
-    """The rows of contrast.csv by case: [{name, id, description, rows}]. contexts: case_context of each case."""
+    """The rows of contrast.csv by case: [{name, description, rows}]. contexts: case_context of each case."""
     by_case = []
     for context in contexts:
         of_case = [
@@ -105,9 +104,7 @@ def contrast_rows(rows, contexts):
         ]
         if of_case:
             description = context["metrics"]["patient"].get("description")
-            by_case.append(
-                {**{key: context[key] for key in ("name", "id")}, "description": description, "rows": of_case}
-            )
+            by_case.append({"name": context["name"], "description": description, "rows": of_case})
     return by_case
 
 

@@ -1,11 +1,12 @@
-"""Builds the report, one HTML file, from the study's files and jinja2 templates."""
+"""Builds the report from the study's files and jinja2 templates: an index, a page for each case, one of benchmarks."""
 
 import json
 import pathlib
 
 import jinja2
+import markupsafe
 
-from common.files import replacing, sha256
+from common.files import sha256
 from reports.study.agreement import published_results
 from reports.study.bland_altman import sample_sd
 from reports.study.differences import COHORT_ROW_NAME
@@ -13,21 +14,23 @@ from reports.study.inclusion import patient_groups
 from reports.study.nearer import FEWEST_PATIENTS, SIGNIFICANCE_LEVEL
 from reports.study.tables import study_table
 from reports.inputs.case_files import PREDICTED_FROM_CT, STATES
-from reports.figures.style import COLOURS, ERROR_LABELS, LABELS, SHORT_LABELS
-from reports.page.agreement import MOST_DIGITS, agreement_groups, contrast_rows, excluded_patients
-from reports.page.assets import TEMPLATE_FOLDER, image_uri, optional_image, script_text, three_script, three_version
+from reports.figures.style import ERROR_LABELS, LABELS, SHORT_LABELS
+from reports.page.agreement import agreement_groups, contrast_rows, excluded_patients
 from reports.page.benchmarks import read_benchmarks
 from reports.page.case_context import case_context
-from reports.page.digits import decimals
-from reports.page.evidence import evidence_rows, read_test_results
-from reports.page.geometry import colour_table
-from reports.inputs.reading import read_json
+from reports.page.data_files import write_case_data, write_study_data
+from reports.page.digits import FILTERS
+from reports.page.evidence import evidence_context
+from reports.page.folder import BENCHMARKS, INDEX, TEMPLATE_FOLDER, report_folder, three_version
+from reports.page.geometry import colour_tables
+from reports.page.sources import selection, source_of
+from reports.page.verdict.lines import verdict
+from reports.inputs.reading import read_failed, read_json
 from reports.whatif.tables import records
 
 TABLES = ("agreement", "contrast", "differences", "half_maximum", "nearer", "patients", "seconds", "timings")
-MISSING = "–"
 LOW_MARK = "▼"  # marks an FFR after PCI below reports.selection.patients.LOW_FFR_AFTER
-OCCLUDED_CODE = "occluded_by_voxels"
+NARROW_FOR_VOXELS = "occluded_by_voxels"  # code of the warning
 
 
 def build_report(
@@ -40,71 +43,120 @@ def build_report(
     cohort="",
     benchmark_dir=None,
     provenance=None,
-    failed=(),
+    failed=None,
     three=pathlib.Path("build/three.min.js"),
 ):
-    """Writes the report of the CaseFiles `cases` to `out`. Raises InputError if a file is missing.
+    """Writes the report of the CaseFiles `cases` into the folder `out`. Raises InputError if a file is missing.
 
-    failed: entries of failed.json (workflow.failed), of cases that have no result. three: file of three.js, the library
+    failed: failed.json (workflow.failed), of cases that have no result, or None. three: file of three.js, the library
     of the 3D viewer.
     """
-    contexts = [case_context(files, figures_dir) for files in cases]
-    tables = {name: records(study_table(study_dir, name)) for name in TABLES}
-    agreement, patients = tables["agreement"], tables["patients"]
-    differences, seconds = tables["differences"], tables["seconds"]
-    by_group = agreement_groups(agreement, tables["nearer"], tables["half_maximum"])
-    for context in contexts:
-        context["timings"] = [row for row in tables["timings"] if row["case"] == context["name"]]
-    page = (
-        environment()
-        .get_template("index.html.j2")
-        .render(
+    failed_steps = read_failed(failed)
+    with report_folder(out) as folder:
+        contexts = [case_context(files, figures_dir, folder) for files in cases]
+        benchmarks = read_benchmarks(benchmark_dir, folder)
+        evidence = evidence_context(junit, benchmarks)
+        write_study_data(folder, study_dir, software, failed_steps, evidence["rows"])
+        for files, context in zip(cases, contexts):
+            write_case_data(folder, files, context)
+        folder.write_assets(three)
+        pages = Pages(folder, contexts, benchmarks, selection(cohort, [files.case for files in cases], failed))
+        pages.write_index(
             cohort=cohort,
-            cases=contexts,
-            failed=failed,
-            summary=summary(contexts),
-            agreement=by_group,
-            excluded_patients=excluded_patients(patients),
-            errors={kind: ERROR_LABELS[kind] for kind in ERROR_LABELS if kind in [row["error"] for row in agreement]},
-            imaging=imaging_warnings(contexts),
-            lumen_warnings=lumen_warnings(contexts),
-            plan_remarks=plan_remarks(contexts),
-            flow_warnings=[{"case": c["name"], "id": c["id"], **row} for c in contexts for row in c["flow_warnings"]],
-            agreement_figure=optional_image(figures_dir / "agreement.svg") if agreement else None,
-            nearer_level=SIGNIFICANCE_LEVEL,
-            nearer_fewest=FEWEST_PATIENTS,
-            contrast=contrast_rows(tables["contrast"], contexts),
-            differences=differences,
-            differences_figure=optional_image(figures_dir / "differences.svg") if differences else None,
-            cohort_name=COHORT_ROW_NAME,
-            patients=patients,
-            low_mark=LOW_MARK,
-            inclusion=image_uri(figures_dir / "inclusion.svg"),
-            seconds=seconds,
-            seconds_figure=image_uri(figures_dir / "seconds.svg") if seconds else None,
-            scatter=image_uri(figures_dir / "ffr_before_after.svg"),
-            published=published_results(),
-            evidence=evidence_rows(read_test_results(junit)),
-            benchmarks=read_benchmarks(benchmark_dir),
+            failed=failed_steps,
+            evidence=evidence,
             software=read_json(software, "reports software") if software else None,
             provenance=provenance_summary(provenance) if provenance else None,
-            states=STATES,
-            states_shown=[state for state in STATES if any(state in c["metrics"]["states"] for c in contexts)],
-            labels=LABELS,
-            short=SHORT_LABELS,
-            from_ct=PREDICTED_FROM_CT,
-            colours=COLOURS,
-            viewer=script_json({"cases": {c["id"]: c["viewer"] for c in contexts}, "colours": colour_table()}),
-            style=(TEMPLATE_FOLDER / "style.css").read_text(),
-            three_version=three_version(),
-            scripts=[
-                three_script(three),
-                *(script_text(TEMPLATE_FOLDER / name) for name in ("viewer.js", "stage.js", "page.js")),
-            ],
+            **study_context(study_dir, figures_dir, folder, contexts, failed_steps),
         )
-    )
-    with replacing(out) as partial:
-        partial.write_text(page)
+        pages.write_cases(records(study_table(study_dir, "timings")))
+        pages.write_benchmarks()
+
+
+class Pages:
+    """Writes the pages into a ReportFolder. contexts: case_context of each case. selection: see sources.selection."""
+
+    def __init__(self, folder, contexts, benchmarks, selection):
+        self.folder, self.contexts, self.benchmarks, self.selection = folder, contexts, benchmarks, selection
+        self.environment = environment()
+        self.shared = {
+            "names": [context["name"] for context in contexts],
+            "published": published_results(),
+            "labels": LABELS,
+            "short": SHORT_LABELS,
+        }
+
+    def write_index(self, **context):
+        """Writes the first page. context: what its templates need besides the cases."""
+        self._write(INDEX, "index.html.j2", index="", cases=self.contexts, **context)
+
+    def write_cases(self, timings):
+        """Writes a page for each case. timings: rows of timings.csv."""
+        names = [None, *self.shared["names"], None]
+        for context, before, after in zip(self.contexts, names, names[2:]):
+            case = {**context, "timings": [row for row in timings if row["case"] == context["name"]]}
+            viewer = {"cases": {case["id"]: case["viewer"]}, "colours": colour_tables()}
+            more = {"before": before, "after": after, "viewer": script_json(viewer), "three_version": three_version()}
+            self._write(case_page(case["name"]), "case_page.html.j2", case=case, **more)
+
+    def write_benchmarks(self):
+        """Writes the page of the benchmarks that were run."""
+        self._write(BENCHMARKS, "benchmarks_page.html.j2", on_benchmarks=True, benchmarks=self.benchmarks)
+
+    def _write(self, name, template, case=None, **context):
+        """Renders a page. name: its path below the folder, from which the way back to it follows."""
+        root, of_source = "../" * name.count("/"), self.environment.get_template("source.html.j2")
+
+        def source_line(source):
+            return markupsafe.Markup(of_source.render(root=root, **source))
+
+        def source(key):
+            return source_line(source_of(key, self.folder.data_names, self.selection, case["name"] if case else ""))
+
+        own = {"root": root, "index": f"{root}{INDEX}", "case": case, "on_benchmarks": False}
+        own.update(source=source, source_line=source_line)
+        self.folder.write(name, self.environment.get_template(template).render({**own, **self.shared, **context}))
+
+
+def study_context(study_dir, figures_dir, folder, contexts, failed):
+    """What the index shows of the study's tables and figures. contexts: case_context of each case.
+
+    failed: entries of failed.json.
+    """
+    tables = {name: records(study_table(study_dir, name)) for name in TABLES}
+    agreement, differences, seconds = tables["agreement"], tables["differences"], tables["seconds"]
+    return {
+        "summary": summary(contexts),
+        "verdict": verdict(contexts, agreement, tables["nearer"], failed),
+        "agreement": agreement_groups(agreement, tables["nearer"], tables["half_maximum"]),
+        "excluded_patients": excluded_patients(tables["patients"]),
+        "errors": {kind: ERROR_LABELS[kind] for kind in ERROR_LABELS if kind in [row["error"] for row in agreement]},
+        "imaging": imaging_warnings(contexts),
+        "lumen_warnings": lumen_warnings(contexts),
+        "plan_remarks": plan_remarks(contexts),
+        "flow_warnings": [{"case": c["name"], **row} for c in contexts for row in c["flow_warnings"]],
+        "agreement_figure": folder.optional_picture(figures_dir / "agreement.svg") if agreement else None,
+        "nearer_level": SIGNIFICANCE_LEVEL,
+        "nearer_fewest": FEWEST_PATIENTS,
+        "contrast": contrast_rows(tables["contrast"], contexts),
+        "differences": differences,
+        "differences_figure": folder.picture(figures_dir / "differences.svg") if differences else None,
+        "cohort_name": COHORT_ROW_NAME,
+        "patients": tables["patients"],
+        "low_mark": LOW_MARK,
+        "inclusion": folder.picture(figures_dir / "inclusion.svg"),
+        "seconds": seconds,
+        "seconds_figure": folder.picture(figures_dir / "seconds.svg") if seconds else None,
+        "scatter": folder.picture(figures_dir / "ffr_before_after.svg"),
+        "states": STATES,
+        "states_shown": [state for state in STATES if any(state in c["metrics"]["states"] for c in contexts)],
+        "from_ct": PREDICTED_FROM_CT,
+    }
+
+
+def case_page(name):
+    """The address of a case's page below the report's folder."""
+    return f"cases/{name}.html"
 
 
 def provenance_summary(path):
@@ -115,7 +167,10 @@ def provenance_summary(path):
 
 
 def environment():
-    """The jinja2 environment: undefined names raise, HTML is escaped."""
+    """The jinja2 environment: undefined names raise, HTML is escaped.
+
+    A template that is rendered outside a report has no files to name: `root` and the lines on sources are empty there.
+    """
     env = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATE_FOLDER),
         autoescape=True,
@@ -123,13 +178,8 @@ def environment():
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    env.filters.update(
-        lower_first=lower_first,
-        significant=significant,
-        signed_significant=signed_significant,
-        signed_decimals=signed_decimals,
-    )
-    env.filters.update(fixed=fixed, signed=signed, scientific=scientific, percent=percent)
+    env.filters.update(FILTERS, case_page=case_page)
+    env.globals.update(benchmarks_page=BENCHMARKS, root="", source=lambda key: "", source_line=lambda source: "")
     return env
 
 
@@ -140,7 +190,6 @@ def script_json(document):
 
 def summary(contexts):
     """Means over each group of patients, and counts over the cohort, for the first lines of the report."""
-    seconds = [c["deployment"]["seconds"] for c in contexts if c["deployment"]]
     return {
         "count": len(contexts),
         "synthetic": sum(c["metrics"]["kind"] == "synthetic" for c in contexts),
@@ -149,7 +198,6 @@ def summary(contexts):
         "measured": sum(c["metrics"]["measured"] is not None for c in contexts),
         "with_ct": sum("ct" in c["metrics"]["states"] for c in contexts),
         "means": {name: means(found) for name, found in patient_groups([c["metrics"] for c in contexts])},
-        "seconds": mean_sd(seconds) if seconds else None,
     }
 
 
@@ -173,23 +221,23 @@ def means(documents):
 
 
 def imaging_warnings(contexts):
-    """Warnings of the segmentations as rows {case, id, state, code, message}.
+    """Warnings of the segmentations as rows {case, state, code, message}.
 
     Warnings of throats that are too narrow for the voxels come first.
     """
     rows = [
-        {"case": c["name"], "id": c["id"], "state": state, "code": warning["code"], "message": warning["message"]}
+        {"case": c["name"], "state": state, "code": warning["code"], "message": warning["message"]}
         for c in contexts
         for state, found in c["metrics"]["imaging"].items()
         for warning in found["warnings"]
     ]
-    return sorted(rows, key=lambda row: row["code"] != OCCLUDED_CODE)
+    return sorted(rows, key=lambda row: row["code"] != NARROW_FOR_VOXELS)
 
 
 def lumen_warnings(contexts):
-    """Rows {case, id, state, message} of the warnings in the anatomies of given lumens."""
+    """Rows {case, state, message} of the warnings in the anatomies of given lumens."""
     return [
-        {"case": c["name"], "id": c["id"], "state": state, "message": message}
+        {"case": c["name"], "state": state, "message": message}
         for c in contexts
         for state, found in c["metrics"]["lumen_warnings"].items()
         for message in found
@@ -197,9 +245,9 @@ def lumen_warnings(contexts):
 
 
 def plan_remarks(contexts):
-    """Rows {case, id, message} of the remarks on proposed plans."""
+    """Rows {case, message} of the remarks on proposed plans."""
     return [
-        {"case": c["name"], "id": c["id"], "message": message}
+        {"case": c["name"], "message": message}
         for c in contexts
         for message in (c["metrics"]["plan_reference"] or {}).get("remarks", [])
     ]
@@ -208,50 +256,3 @@ def plan_remarks(contexts):
 def mean_sd(values):
     """(mean, sample standard deviation or None) of a list of numbers; (None, None) of none."""
     return (sum(values) / len(values), sample_sd(values)) if values else (None, None)
-
-
-def lower_first(text):
-    """A label for use within a sentence: the first letter small, unless the first word is in capitals."""
-    return text if text[:2].isupper() else text[0].lower() + text[1:]
-
-
-def fixed(value, digits=2):
-    """A number with `digits` decimals. A dash if the value is missing; a text is returned as it is."""
-    if value is None or isinstance(value, jinja2.Undefined):
-        return MISSING
-    return value if isinstance(value, str) else f"{value:,.{digits}f}"
-
-
-def signed(value, digits=2):
-    """A difference with its sign and `digits` decimals; a dash if it is missing. The minus is the character U+2212."""
-    if value is None:
-        return MISSING
-    text = f"{abs(value):.{digits}f}"
-    if float(text) == 0.0:
-        return text
-    return ("−" if value < 0 else "+") + text
-
-
-def significant(value, digits=2):
-    """A number with `digits` significant digits, never as a power of ten; a dash if it is missing."""
-    return MISSING if value is None else f"{value:,.{decimals(value, digits)}f}"
-
-
-def signed_significant(value, digits=2):
-    """A difference with its sign and `digits` significant digits; a dash if it is missing."""
-    return MISSING if value is None else signed(value, decimals(value, digits))
-
-
-def signed_decimals(value, least):
-    """A difference with its sign. It has `least` decimals, or more so that two significant digits are shown."""
-    return MISSING if value is None else signed(value, max(least, min(MOST_DIGITS, decimals(value, 2) if value else 0)))
-
-
-def scientific(value):
-    """A small number, such as a residual, in the form 2.1e-06; a dash if it is missing."""
-    return MISSING if value is None or isinstance(value, jinja2.Undefined) else f"{value:.1e}"
-
-
-def percent(value, digits=1):
-    """A number in per cent with `digits` decimals and the sign %; a dash if it is missing."""
-    return MISSING if value is None else f"{value:.{digits}f} %"

@@ -5,9 +5,9 @@ import json
 from reports.study.cohort import describe_device, describe_procedure
 from reports.measuring.pressure_wire import wire_pair
 from reports.inputs.case_files import states_in_3d
-from reports.page.assets import image_uri, optional_image
 from reports.page.geometry import viewer_data
 from reports.measuring.profiles import ffr_error_estimate
+from reports.measuring.stent_edges import EDGE_SEGMENT_MM, RUPTURE_STRETCH
 from reports.inputs.reading import read_json
 from reports.whatif.page_context import planner_context
 
@@ -30,11 +30,15 @@ READOUTS = (
 )
 
 
-def case_context(files, figures_dir):
-    """The context of templates/case.html.j2. Raises InputError for a missing figure or file."""
+def case_context(files, figures_dir, folder):
+    """The context of templates/case.html.j2. Takes the pictures into the ReportFolder `folder`.
+
+    Raises InputError for a missing figure or file.
+    """
     metrics = read_json(files.metrics, "reports metrics")
     flow = {state: flow_row(files, state) for state, entry in metrics["states"].items() if entry["ffr"] is not None}
     deployment = read_json(files.deployment, "vci deploy") if "vci" in metrics["states"] else None
+    edges = (metrics["deployment"] or {}).get("stent_edges", [])
     return {
         "name": files.case,
         "id": "case-" + files.case,
@@ -55,8 +59,9 @@ def case_context(files, figures_dir):
             f"{words} {deployment[key]:.{digits}f}{unit}"
             for key, words, digits, unit in READOUTS
             if deployment and deployment.get(key) is not None
-        ],
-        "deployment_warnings": (deployment or {}).get("warnings", []),
+        ]
+        + edge_readouts(edges),
+        "deployment_warnings": (deployment or {}).get("warnings", []) + edge_warnings(edges),
         "switched_off": [as_text(item) for item in (deployment or {}).get("switched_off", [])],
         "flow": flow,
         "probes": probe_rows(flow),
@@ -64,18 +69,41 @@ def case_context(files, figures_dir):
         "flow_warnings": flow_warnings(flow),
         "modified": [state for state, row in flow.items() if not _steady(row["solution"])],
         "reference": optional_json(files.folder / "reference" / "reference.json"),
-        "still": image_uri(figures_dir / f"{files.case}_lumen.png"),
-        "procedure_picture": optional_image(figures_dir / f"{files.case}_procedure.png"),
-        "ct_picture": optional_image(figures_dir / f"{files.case}_ct.png"),
-        "sensitivity_picture": optional_image(figures_dir / f"{files.case}_sensitivity.svg"),
+        "still": folder.picture(figures_dir / f"{files.case}_lumen.png"),
+        "procedure_picture": folder.optional_picture(figures_dir / f"{files.case}_procedure.png"),
+        "ct_picture": folder.optional_picture(figures_dir / f"{files.case}_ct.png"),
+        "sensitivity_picture": folder.optional_picture(figures_dir / f"{files.case}_sensitivity.svg"),
         **planner_context(files.folder),
-        "stations_picture": image_uri(figures_dir / f"{files.case}_stations.png"),
-        "plan_picture": optional_image(files.folder / "vci" / "plan.png"),
-        "curves": [{"uri": image_uri(figures_dir / f"{files.case}_{name}.svg"), "alt": text} for name, text in CURVES],
+        "stations_picture": folder.picture(figures_dir / f"{files.case}_stations.png"),
+        "plan_picture": folder.optional_picture(files.folder / "vci" / "plan.png", f"{files.case}_plan"),
+        "curves": [
+            {"name": name, "picture": folder.picture(figures_dir / f"{files.case}_{name}.svg"), "alt": text}
+            for name, text in CURVES
+        ],
         "wire": wire_rows(metrics),
         "viewer": viewer_data(files, metrics),
         "pictured": states_in_3d(metrics["states"]),
     }
+
+
+def edge_readouts(edges):
+    """The wall's stretch at both edges of each stent, in words. edges: `stent_edges` of metrics.json."""
+    by_stent = {}
+    for row in edges:
+        by_stent.setdefault(row["stent"], []).append(f"{row['largest_stretch']:.2f} {row['end']}")
+    before = f"largest wall stretch within {EDGE_SEGMENT_MM:g} mm of the edges of stent"
+    return [f"{before} {stent}: {', '.join(ends)}" for stent, ends in by_stent.items()]
+
+
+def edge_warnings(edges):
+    """Hints of dissection at the edges where the wall is stretched beyond the limit, as sentences."""
+    return [
+        f"stent {row['stent']}, {row['end']} edge in {row['branch']}: next to it the wall is stretched to "
+        f"{row['largest_stretch']:.2f} times its length. Strips of human artery tear at {RUPTURE_STRETCH:g} on average "
+        "(Teng et al., J Biomech 2009;42:2535–2539). This hints at an edge dissection"
+        for row in edges
+        if row["beyond_limit"]
+    ]
 
 
 def flow_ranges(flow):

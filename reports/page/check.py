@@ -1,10 +1,14 @@
-"""Opens a report in headless Chromium and refuses console errors and anything fetched from outside the file."""
+"""Opens each page of a report in headless Chromium. Refuses console errors, and references that lead nowhere or out.
+
+A figure or table must be followed by a line that names its data and how it was made.
+"""
 
 import html.parser
 import pathlib
 import re
 import subprocess
 import tempfile
+import urllib.parse
 
 from common.errors import ComputationError, InputError
 from common.files import replacing
@@ -27,13 +31,12 @@ BROWSER_FLAGS = (
     "--v=0",
 )
 TIMEOUT_S = 120  # longest run of the browser
-SETTLE_MS = 4000  # virtual time of the page, enough for the 3D viewer to draw its first picture
-FIRST_CASE = re.compile(r'<article class="case" id="([^"]+)"')  # the 3D viewer starts when its case is in view
+SETTLE_MS = 4000  # virtual time of a page, enough for the 3D viewer to draw its first picture
 CONSOLE_LINE = re.compile(r":CONSOLE[:(]\d+\)?\] (.*)")
 DRIVER_MESSAGE = re.compile(
     r'^"\[\.WebGL-\w+\]GL Driver Message \([^)]*Performance'
 )  # the software renderer's own remarks
-FETCHING_ATTRIBUTES = {
+REFERENCES = {
     "src",
     "srcset",
     "href",
@@ -45,46 +48,109 @@ FETCHING_ATTRIBUTES = {
     "ping",
     "manifest",
 }
-STYLE_FETCH = re.compile(r"url\(\s*['\"]?(?!data:|#)([^'\")]+)|@import\s+([^;]+)", re.IGNORECASE)
+STYLE_REFERENCE = re.compile(r"url\(\s*['\"]?(?!data:|#)([^'\")]+)|@import\s+([^;]+)", re.IGNORECASE)
+SOURCED = ("figure", "table")  # elements that a line of class SOURCE_CLASS follows
+SOURCE_CLASS = "source"
+MOST_NAMED = 5  # problems that a message names
 
 
-class ReferenceCollector(html.parser.HTMLParser):
-    """Collects an HTML page's references to other files (`outside`) and its content security policy (`policy`)."""
+class Page(html.parser.HTMLParser):
+    """What an HTML text refers to, and what it lacks.
 
-    def __init__(self):
+    references: values of the attributes REFERENCES, without data: URIs. styles: references within styles. ids: of its
+    elements. unsourced: figures and tables that no line on their data follows. policy: its content security policy.
+    """
+
+    def __init__(self, text):
         super().__init__()
-        self.outside, self.policy, self.in_style = [], None, False
+        self.references, self.styles, self.ids, self.unsourced, self.policy = [], [], set(), [], None
+        self._in_style, self._open = False, None
+        self.feed(text)
+        self._next_sourced(None)
 
     def handle_starttag(self, tag, attrs):
         attributes = {name: value or "" for name, value in attrs}
-        self.in_style = tag == "style"
+        self._in_style = tag == "style"
         if tag == "meta" and attributes.get("http-equiv", "").lower() == "content-security-policy":
             self.policy = attributes.get("content", "")
-        for name, value in attributes.items():
-            if name in FETCHING_ATTRIBUTES and not value.startswith(("data:", "#")):
-                self.outside.append(f"<{tag} {name}={value[:80]!r}>")
-            if name == "style":
-                self.style(value)
+        self.ids.add(attributes.get("id"))
+        self.styles += style_references(attributes.get("style", ""))
+        self.references += [
+            value for name, value in attributes.items() if name in REFERENCES and not value.startswith("data:")
+        ]
+        if tag in SOURCED:
+            self._next_sourced(f"{tag} at line {self.getpos()[0]}")
+        elif SOURCE_CLASS in attributes.get("class", "").split():
+            self._open = None
 
     def handle_endtag(self, tag):
-        if tag == "style":
-            self.in_style = False
+        self._in_style = self._in_style and tag != "style"
 
     def handle_data(self, data):
-        if self.in_style:
-            self.style(data)
+        if self._in_style:
+            self.styles += style_references(data)
 
-    def style(self, text):
-        self.outside += [f"style: {(a or b)[:80]!r}" for a, b in STYLE_FETCH.findall(text)]
+    def _next_sourced(self, description):
+        self.unsourced += [self._open] if self._open else []
+        self._open = description
 
 
-def outside_references(text):
-    """Resources that an HTML text would load from elsewhere, as descriptions; empty if the page needs no other file."""
-    page = ReferenceCollector()
-    page.feed(text)
-    if page.policy is None or not page.policy.startswith("default-src 'none'"):
-        page.outside.append("no content security policy that forbids scripts to fetch (default-src 'none')")
-    return page.outside
+def style_references(text):
+    """The files that a style sheet or attribute would load."""
+    return [(first or second).strip() for first, second in STYLE_REFERENCE.findall(text)]
+
+
+def read_pages(index):
+    """{path: Page} of a report's index and of all pages that it leads to. Raises InputError with what is wrong.
+
+    That is a reference to a file that is not there or not in the report's folder, to a place that a page does not have,
+    a page that may fetch, and a figure or table without its line.
+    """
+    index = require_file(index, "reports report").resolve()
+    pages, waiting, problems = {}, [index], []
+    while waiting:
+        path = waiting.pop()
+        page = pages[path] = Page(path.read_text())
+        if page.policy is None or not page.policy.startswith("default-src 'none'"):
+            problems.append(f"{path.name}: no content security policy that forbids to fetch (default-src 'none')")
+        problems += [f"{path.name}: style refers to {name}" for name in page.styles]
+        problems += [f"{path.name}: no line on the data of the {what}" for what in page.unsourced]
+        for reference in page.references:
+            target, problem = resolve(reference, path, index.parent)
+            if problem:
+                problems.append(f"{path.name}: {reference[:80]} {problem}")
+            elif target.suffix == ".css":
+                problems += [f"{target.name}: refers to {name}" for name in style_references(target.read_text())]
+            elif target.suffix == ".html" and target not in pages and target not in waiting:
+                waiting.append(target)
+    problems += [
+        f"{path.name}: {reference} names no place there"
+        for path, page in pages.items()
+        for reference in page.references
+        if "#" in reference and reference.partition("#")[2] not in place_ids(reference, path, index.parent, pages)
+    ]
+    if problems:
+        more = len(problems) - MOST_NAMED
+        named = "; ".join(problems[:MOST_NAMED]) + (f"; {more} more" if more > 0 else "")
+        raise InputError("the report is not whole", index.parent, named, "make the report again")
+    return pages
+
+
+def resolve(reference, page, folder):
+    """(file, problem) that a reference of a page means; problem is None if it is a file in the report's folder."""
+    parts = urllib.parse.urlsplit(reference)
+    if parts.scheme or parts.netloc or parts.path.startswith("/"):
+        return None, "leads out of the report's folder"
+    target = (page.parent / urllib.parse.unquote(parts.path)).resolve() if parts.path else page
+    if not target.is_relative_to(folder):
+        return None, "leads out of the report's folder"
+    return target, None if target.is_file() else "is not there"
+
+
+def place_ids(reference, page, folder, pages):
+    """The ids of the page to which a reference leads; empty if it is none of `pages`."""
+    target, _ = resolve(reference, page, folder)
+    return pages[target].ids if target in pages else set()
 
 
 def console_messages(log):
@@ -96,18 +162,14 @@ def console_messages(log):
     return [match[1].strip() for match in found if match and not DRIVER_MESSAGE.match(match[1])]
 
 
-def run_browser(path, *arguments, size="1440,900", anchor=""):
+def run_browser(path, *arguments, size="1440,900"):
     """Runs Chromium on a file with a fresh profile; returns (standard output, log). ComputationError if it fails.
 
-    size: of the window in pixels; anchor: id of the element to which the page is scrolled.
+    size: of the window in pixels.
     """
     with tempfile.TemporaryDirectory() as profile:
         command = [BROWSER, *BROWSER_FLAGS, f"--user-data-dir={profile}", f"--window-size={size}"]
-        command += [
-            f"--virtual-time-budget={SETTLE_MS}",
-            *arguments,
-            pathlib.Path(path).resolve().as_uri() + (anchor and f"#{anchor}"),
-        ]
+        command += [f"--virtual-time-budget={SETTLE_MS}", *arguments, pathlib.Path(path).resolve().as_uri()]
         try:
             result = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
         except FileNotFoundError as error:
@@ -115,24 +177,32 @@ def run_browser(path, *arguments, size="1440,900", anchor=""):
         except subprocess.TimeoutExpired as error:
             raise ComputationError("the browser did not finish", path, f"{TIMEOUT_S} s", "open it by hand") from error
     if result.returncode or "</html>" not in result.stdout and "--dump-dom" in arguments:
-        raise ComputationError("the browser failed", path, result.stderr[-500:], "open the report by hand")
+        raise ComputationError("the browser failed", path, result.stderr[-500:], "open the page by hand")
     return result.stdout, result.stderr
 
 
-def check_report(path, screenshot=None, size="1440,900"):
-    """Raises ComputationError for a console error, InputError for an outside reference; saves a picture if asked."""
-    text = require_file(path, "reports report").read_text()
-    outside = outside_references(text)
-    if outside:
-        raise InputError("the report refers to other files", path, "; ".join(outside[:5]), "put them into the file")
-    first = FIRST_CASE.search(text)
-    page, log = run_browser(path, "--dump-dom", anchor=first[1] if first else "")
+def check_report(index, screenshots=None, size="1440,900"):
+    """Checks a report by its index.html and returns the paths of its pages, the index first.
+
+    screenshots: a folder for a picture of each page, in a window of `size` pixels. Raises InputError as `read_pages`
+    does, and ComputationError for a console error or a 3D viewer that does not start.
+    """
+    pages = list(read_pages(index))
+    for path in pages:
+        check_page(path)
+        if screenshots:
+            with replacing(screenshots / f"{path.stem}.png") as partial:
+                run_browser(path, f"--screenshot={partial.resolve()}", size=size)
+    return pages
+
+
+def check_page(path):
+    """Opens one page. Raises ComputationError for a console error or a 3D viewer that does not start."""
+    page, log = run_browser(path, "--dump-dom")
     errors = console_messages(log)
     if errors:
         remedy = "open it in a browser and see the console"
-        raise ComputationError("the report writes to the console", path, "; ".join(errors[:5]), remedy)
+        named = "; ".join(errors[:MOST_NAMED])
+        raise ComputationError("a page of the report writes to the console", path, named, remedy)
     if 'class="viewer"' in page and 'class="stage live"' not in page:
         raise ComputationError("the 3-D viewer does not start", path, "no live stage", "see the browser's console")
-    if screenshot:
-        with replacing(screenshot) as partial:
-            run_browser(path, f"--screenshot={partial.resolve()}", size=size)

@@ -1,22 +1,105 @@
-"""Test results for the evidence table, from JUnit XML as pytest, GoogleTest and CTest write it."""
+"""The evidence section: the study's claims, and the results of the tests behind them.
 
+The results are JUnit XML, as pytest, GoogleTest and CTest write it.
+"""
+
+import datetime
+import pathlib
+import re
 import xml.etree.ElementTree as ElementTree
 
+from common.documents import config
 from common.errors import InputError
 from reports.inputs.reading import require_file
+from reports.page.benchmarks import TITLES
+
+CLAIMS_FILE = pathlib.Path(__file__).with_name("claims.yaml")
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+PYTHON_TEST = re.compile(r"^def (test_\w+)", re.MULTILINE)
+COMPILED_TEST = re.compile(r"^TEST(?:_[FP])?\(\s*(\w+),\s*(\w+)\)", re.MULTILINE)  # GoogleTest: suite, name
+OUTCOMES = ("passed", "failed", "not_run")
+VALIDATION = ("validation against benches", "validation against patients")
+
+
+def evidence_context(junit, benchmarks):
+    """{claims, rows, days}: the claims as claim_row, the rows of all tests by group, and the days of the last test run.
+
+    junit: files of test results. benchmarks: entries of read_benchmarks. Raises InputError for a file that cannot be
+    read.
+    """
+    results = read_test_results(junit)
+    outcomes = outcomes_by_test(results)
+    shown = {benchmark["name"] for benchmark in benchmarks if benchmark["tables"]}
+    return {
+        "claims": [claim_row(claim, outcomes, shown) for claim in read_claims()],
+        "rows": evidence_rows(results),
+        "days": days_of_tests(junit),
+    }
+
+
+def read_claims():
+    """The entries of claims.yaml, with the keys of config/schemas/claims.schema.yaml. InputError if one is wrong."""
+    return config.load(CLAIMS_FILE, "claims")["claims"]
+
+
+def claim_row(claim, outcomes, shown):
+    """A claim with the counts of its tests (OUTCOMES), in all and as `tests` [{entry, passed, failed, not_run}].
+
+    outcomes: of outcomes_by_test. shown: names of the benchmarks whose tables the report has; `benchmarks` becomes
+    [{name, title, shown}]. `validated`: whether it was compared with benches or patients.
+    """
+    tests = [{"entry": entry, **count_outcomes(entry, outcomes)} for entry in claim["tests"]]
+    return {
+        **claim,
+        **{key: sum(test[key] for test in tests) for key in OUTCOMES},
+        "tests": tests,
+        "benchmarks": [
+            {"name": name, "title": TITLES[name][0], "shown": name in shown} for name in claim["benchmarks"]
+        ],
+        "validated": any(kind in VALIDATION for kind in claim["kinds"]),
+    }
+
+
+def count_outcomes(entry, outcomes):
+    """{passed, failed, not_run}: test cases of a claim's entry, a file or file::function.
+
+    A test without any result counts once as not run, since a run may leave out slow tests; so does an entry that names
+    no test.
+    """
+    cases = [outcome for test in named_tests(entry) or [entry] for outcome in outcomes.get(test, ["skipped"])]
+    counts = {outcome: cases.count(outcome) for outcome in ("passed", "failed", "skipped")}
+    return {"passed": counts["passed"], "failed": counts["failed"], "not_run": counts["skipped"]}
+
+
+def named_tests(entry):
+    """Identifiers of the tests that an entry of claims.yaml names; empty if there are none such.
+
+    They are as those of outcomes_by_test. They come from the tests' sources, since results lack what was left out.
+    """
+    name, _, function = entry.partition("::")
+    file = pathlib.PurePath(name)
+    text = (REPOSITORY / file).read_text() if (REPOSITORY / file).is_file() else ""
+    if file.suffix == ".cpp":
+        return [".".join((*file.parent.parts, *found)) for found in COMPILED_TEST.findall(text)]
+    functions = [found for found in PYTHON_TEST.findall(text) if function in ("", found)]
+    return [".".join((*file.with_suffix("").parts, found)) for found in functions]
+
+
+def outcomes_by_test(results):
+    """{identifier: outcomes of the test's cases}: group and name, without the parameters of pytest and GoogleTest."""
+    found = {}
+    for result in results:
+        name = result["name"].split("[")[0].rpartition(".")[2].split("/")[0]
+        identifier = re.sub(r"[^./]+/", "", result["group"]) + "." + name
+        found.setdefault(identifier, []).append(result["outcome"])
+    return found
 
 
 def read_test_results(paths):
     """[{group, name, outcome, seconds, reason}] of all test cases; InputError for a file that is no JUnit XML."""
     results = []
     for path in paths:
-        try:
-            root = ElementTree.parse(require_file(path, "make test")).getroot()
-        except ElementTree.ParseError as error:
-            raise InputError("test results cannot be read", path, str(error), "repeat the tests") from error
-        if root.tag not in ("testsuites", "testsuite"):
-            raise InputError("not a file of test results", path, root.tag, "give JUnit XML")
-        for case in root.iter("testcase"):
+        for case in read_junit(path).iter("testcase"):
             outcome, reason = test_outcome(case)
             results.append(
                 {
@@ -28,6 +111,24 @@ def read_test_results(paths):
                 }
             )
     return results
+
+
+def read_junit(path):
+    """The root element of a file of test results. Raises InputError for a file that is no JUnit XML."""
+    try:
+        root = ElementTree.parse(require_file(path, "make test")).getroot()
+    except ElementTree.ParseError as error:
+        raise InputError("test results cannot be read", path, str(error), "repeat the tests") from error
+    if root.tag not in ("testsuites", "testsuite"):
+        raise InputError("not a file of test results", path, root.tag, "give JUnit XML")
+    return root
+
+
+def days_of_tests(paths):
+    """The days on which the runs of JUnit files began, such as ["27 November 2026"], in order. A file may say none."""
+    stamps = {suite.get("timestamp", "")[:10] for path in paths for suite in read_junit(path).iter("testsuite")}
+    days = sorted(datetime.date.fromisoformat(stamp) for stamp in stamps if stamp)
+    return [f"{day.day} {day:%B %Y}" for day in days]
 
 
 def test_group(case):

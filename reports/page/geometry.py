@@ -1,4 +1,4 @@
-"""Lumens and devices of a case, packed for the 3-D viewer: quantised, reordered and compressed."""
+"""Lumens, devices and values on the wall of a case, packed for the 3-D viewer: quantised, reordered, compressed."""
 
 import base64
 import zlib
@@ -8,15 +8,30 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.spatial import cKDTree
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkDoubleArray
+from vtkmodules.vtkFiltersCore import vtkImplicitPolyDataDistance
 
+from common import vtp
 from reports.figures.lumen import COLOUR_MAP, nearest_ffr, view_axes
 from reports.inputs.case_files import states_in_3d
-from reports.inputs.reading import read_table
+from reports.inputs.reading import read_array, read_polydata, read_table
 from reports.inputs.surface import Surface, read_device, read_lumen
+from reports.measuring.stent_edges import RUPTURE_STRETCH
+from reports.page.verdict.warnings import LARGEST_MALAPPOSITION_MM
 
 MOST_TRIANGLES = 12000
 QUANTISATION_STEPS = 65535  # quantisation steps over the range of a coordinate or value: 1 um over 65 mm
-COLOUR_STEPS = 32  # steps of the colour map
+NO_VALUE = QUANTISATION_STEPS  # stands for nan; the values themselves end one step below
+COLOUR_STEPS = 32  # steps of a colour table
+# Fixed ends of the colours, so that patients can be compared. The limit is in the middle, and beyond it the colours are
+# warm. Stretch: 1 is the wall before PCI. Gap between stent and wall: in mm; the limit is that from which acute
+# malapposition is corrected (Räber et al., Eur Heart J 2018; 39: 3281-3300).
+SCALES = {
+    "stretch": {"low": 1.0, "high": 2 * RUPTURE_STRETCH - 1.0, "limit": RUPTURE_STRETCH},
+    "gap": {"low": 0.0, "high": 2 * LARGEST_MALAPPOSITION_MM, "limit": LARGEST_MALAPPOSITION_MM},
+}
+TOUCHING_MM = 0.1  # a wall point with gap 0 this near to a stent touches it; further off no stent faces it
 SECTION_COLUMNS = ("s_mm", "x_mm", "y_mm", "z_mm", "area_mm2", "equivalent_diameter_mm")
 
 
@@ -25,7 +40,8 @@ def viewer_data(files, metrics):
 
     `bounds` and `view` (rows: the axes of the first view) are common to all states. A state has points and triangles.
     Each point has the diameter (mm), the area (mm2) and, if the state has a flow, the FFR at the nearest place of an
-    axis. Devices belong to state `vci`.
+    axis. State `vci` also has the devices and the wall_values. `ranges` are the ends of each quantised value; `scales`
+    are the fixed ends and limits of its colours, where it has such.
     """
     states = states_in_3d(metrics["states"])
     lumens = {state: order_for_compression(read_lumen(files.lumen(state), MOST_TRIANGLES)) for state in states}
@@ -38,20 +54,18 @@ def viewer_data(files, metrics):
     low, high = all_points.min(0), all_points.max(0)
     values = {state: values_at_points(files, state, lumens[state].points) for state in states}
     ranges = {
-        name: [
-            float(min(v[name].min() for v in values.values() if name in v)),
-            float(max(v[name].max() for v in values.values() if name in v)),
-        ]
-        for name in ("ffr", "diameter", "area")
+        name: [float(end([end(v[name]) for v in values.values() if name in v])) for end in (np.nanmin, np.nanmax)]
+        for name in dict.fromkeys(name for v in values.values() for name in v)
     }
     return {
         "bounds": [low.tolist(), high.tolist()],
         "view": view_axes(lumens["pre"].points).tolist(),
         "ranges": ranges,
+        "scales": {name: scale for name, scale in SCALES.items() if name in ranges},
         "states": {
             state: {
                 **pack_surface(lumens[state], low, high),
-                **{name: pack(quantise(v, *ranges[name])) for name, v in values[state].items()},
+                **{name: pack(quantise_values(v, *ranges[name])) for name, v in values[state].items()},
             }
             for state in states
         },
@@ -60,14 +74,48 @@ def viewer_data(files, metrics):
 
 
 def values_at_points(files, state, points):
-    """Diameter (mm), area (mm2) and, with a flow, FFR at points (n, 3), from the nearest place on any axis."""
+    """Values (n,) of a state at points (n, 3): diameter (mm), area (mm2), FFR with a flow, wall_values of `vci`.
+
+    All but the last are of the nearest place on any axis.
+    """
     table = read_table(files.anatomy(state) / "sections.csv", SECTION_COLUMNS, ("branch",), "anatomy")
     _, nearest = cKDTree(table[["x_mm", "y_mm", "z_mm"]].to_numpy()).query(points)
     return {
         **({"ffr": nearest_ffr(files, state, points)} if files.has_flow(state) else {}),
         "diameter": table["equivalent_diameter_mm"].to_numpy()[nearest],
         "area": table["area_mm2"].to_numpy()[nearest],
+        **(wall_values(files, points) if state == "vci" else {}),
     }
+
+
+def wall_values(files, points):
+    """{stretch, gap} of the lumen after virtual PCI at the nearest of its points to each of points (n, 3).
+
+    stretch (n,): the wall's largest principal stretch, nan where the wall was held. gap (n,): from the wall to the
+    stent in mm, nan where no stent faces the wall. One of which no point has a value is left out.
+    """
+    path = files.deployed_lumen
+    lumen = read_polydata(path, "vci deploy")
+    stretch, gap, displacement = (
+        read_array(lumen.GetPointData(), name, path) for name in ("wall_stretch", "malapposition_mm", "displacement_mm")
+    )
+    wall = vtp.points(lumen)
+    stretch = np.where(np.any(displacement != 0.0, axis=1), stretch, np.nan)
+    gap = np.where((gap > 0.0) | (distance_to_stents(files, wall) < TOUCHING_MM), gap, np.nan)
+    _, nearest = cKDTree(wall).query(points)
+    values = {"stretch": stretch[nearest], "gap": gap[nearest]}
+    return {name: v for name, v in values.items() if np.isfinite(v).any()}
+
+
+def distance_to_stents(files, points):
+    """Distance (n,) in mm from points (n, 3) to the smooth surface of the nearest stent; infinite without a stent."""
+    nearest = np.full(len(points), np.inf)
+    for path in files.stent_files():
+        surface, found = vtkImplicitPolyDataDistance(), vtkDoubleArray()
+        surface.SetInput(read_polydata(path, "vci deploy"))
+        surface.FunctionValue(numpy_to_vtk(points, deep=True), found)
+        nearest = np.minimum(nearest, np.abs(vtk_to_numpy(found)))
+    return nearest
 
 
 def order_for_compression(surface):
@@ -117,6 +165,12 @@ def quantise(values, low, high):
     )
 
 
+def quantise_values(values, low, high):
+    """As quantise, for values that may be nan: these become NO_VALUE, all others are less."""
+    steps = np.minimum(quantise(np.nan_to_num(values, nan=low), low, high), NO_VALUE - 1)
+    return np.where(np.isnan(values), NO_VALUE, steps).astype(np.uint16)
+
+
 def pack(values, kind=np.uint16):
     """Integers (n,) or (n, k), modulo the range of `kind`, as base64 of a zlib stream.
 
@@ -129,6 +183,13 @@ def pack(values, kind=np.uint16):
     return base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
 
 
-def colour_table():
-    """The colour map as [[r, g, b], ...] of 0 to 1, the same as in the figures."""
-    return np.round(matplotlib.colormaps[COLOUR_MAP](np.linspace(0, 1, COLOUR_STEPS))[:, :3], 4).tolist()
+def colour_tables():
+    """{plain, limit}: tables of colours [[r, g, b], ...] of 0 to 1.
+
+    plain: the colour map of the figures. limit: for values with a limit, cool colours below it and warm ones above.
+    """
+    half = np.linspace(0.0, 1.0, COLOUR_STEPS // 2)
+    cool = matplotlib.colormaps["GnBu"](0.3 + 0.6 * half)
+    warm = matplotlib.colormaps["OrRd"](0.5 + 0.45 * half)
+    tables = {"plain": matplotlib.colormaps[COLOUR_MAP](np.linspace(0, 1, COLOUR_STEPS)), "limit": [*cool, *warm]}
+    return {name: np.round(np.array(table)[:, :3], 4).tolist() for name, table in tables.items()}

@@ -96,13 +96,20 @@ def article_entity(metadata):
 
 
 def study_files(results, cases):
-    """Names, below `results`, of the page, the study's tables and the figures of the study and of these cases."""
-    found = [results / "report" / "index.html", results / "report" / "report.json"]
+    """Names, below `results`, of the report, the study's tables and the figures of the study and of these cases."""
+    found = report_files(results / "report")
     found += sorted((results / "study").glob("*.*"))
     figures = sorted((results / "figures").glob("*.*"))
     of_others = {path.name for path in (results / "cases").glob("*") if path.name not in cases}
     found += [path for path in figures if not any(path.name.startswith(f"{case}_") for case in of_others)]
     return [str(require_file(path, "make study").relative_to(results)) for path in found]
+
+
+def report_files(folder):
+    """The files of the report, its index and report.json first; hidden ones are of a run that was killed."""
+    first = [folder / "index.html", folder / "report.json"]
+    files = [path for path in sorted(folder.rglob("*")) if path.is_file() and path not in first]
+    return first + [path for path in files if not any(part[0] == "." for part in path.relative_to(folder).parts)]
 
 
 def file_entity(results, name, digest):

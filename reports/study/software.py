@@ -1,9 +1,10 @@
-"""The software of a study: operating system, Debian packages and git revision."""
+"""What a study runs on: operating system, Debian packages, git revision, and the machine."""
 
 import pathlib
 import subprocess
 
 from common.errors import InputError
+from common.machine import machine
 
 PACKAGES = (
     "g++",
@@ -29,9 +30,10 @@ OS_RELEASE = pathlib.Path("/etc/os-release")
 
 
 def software_versions(repository):
-    """{"system", "revision", "modified", "packages": {name: version}}; packages that are not installed are left out.
+    """{"system", "machine", "revision", "modified", "packages": {name: version}}, the content of software.json.
 
-    modified: whether files of the repository differ from its revision. Raises InputError outside a git repository.
+    machine: as common.machine gives it. modified: whether files of the repository differ from its revision. Packages
+    that are not installed are left out. Raises InputError outside a git repository.
     """
     release = dict(line.split("=", 1) for line in OS_RELEASE.read_text().splitlines() if "=" in line)
     listing = subprocess.run(
@@ -44,6 +46,7 @@ def software_versions(repository):
     return {
         "schema": "vci-software-1",
         "system": release["PRETTY_NAME"].strip('"'),
+        "machine": machine(),
         "revision": git_output(repository, "rev-parse", "HEAD"),
         "modified": bool(git_output(repository, "status", "--porcelain", "--untracked-files=no")),
         "packages": {

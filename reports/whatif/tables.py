@@ -57,14 +57,14 @@ def _usable_sources(folder):
     inputs as planned is also in flow.csv.
     """
     files = {source: folder / "sensitivity" / f"{source}.csv" for source in SOURCES}
-    found = {source: _planned_ffr(path) for source, path in files.items() if path.is_file()}
+    found = {source: _read_planned_ffrs(path) for source, path in files.items() if path.is_file()}
     if "deployment" in found and not found["deployment"] <= found.get("flow", set()):
         _warn_outdated(files["deployment"])
         del found["deployment"]
     return list(found)
 
 
-def _planned_ffr(path):
+def _read_planned_ffrs(path):
     """Set of (state, FFR with all inputs as planned) in a table of `whatif`."""
     table = pd.read_csv(path)
     return set(table.loc[table["quantity"] == "ffr", ["state", "at_planned"]].itertuples(index=False, name=None))

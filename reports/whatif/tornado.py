@@ -17,7 +17,10 @@ LEAST_SPAN = {"ffr": 0.02, "minimal_stent_area_mm2": 0.2}
 
 
 def sensitivity_figure(files, folder):
-    """Writes <case>_sensitivity.{svg,png}: panels for FFR before, FFR after, and the stent's area if it was varied."""
+    """Writes <case>_sensitivity.{svg,png}: a panel each for FFR before, FFR after and the stent's area.
+
+    A panel is left out where the table has no rows for it.
+    """
     table, intervals = read_sensitivity(files.folder), read_intervals(files.folder)
     panels = [(state, quantity, panel_rows(table, state, quantity)) for state, quantity in PANELS]
     panels = [panel for panel in panels if len(panel[2])]
@@ -30,7 +33,7 @@ def sensitivity_figure(files, folder):
         gridspec_kw={"height_ratios": heights},
     )
     for axes, (state, quantity, rows) in zip(grid[:, 0], panels):
-        draw_bars(axes, rows, widest_interval(intervals, state, quantity), quantity)
+        draw_bars(axes, rows, interval_of_most_inputs(intervals, state, quantity), quantity)
         name = QUANTITY_LABELS[quantity].partition(" (")[0]
         axes.set_title(f"{name[:1].upper()}{name[1:]} {STATE_LABELS[state]}")
     handles = [plt.Rectangle((0, 0), 1, 1, color=colour) for colour in (LOW_COLOUR, HIGH_COLOUR, INTERVAL_COLOUR)]
@@ -52,7 +55,7 @@ def panel_rows(table, state, quantity):
     return rows.assign(swing=swing).sort_values(["swing", "input"], ascending=[True, False])
 
 
-def widest_interval(intervals, state, quantity):
+def interval_of_most_inputs(intervals, state, quantity):
     """The row with the interval of a quantity in a state, from the sample that varied the most inputs; or None."""
     for source in ("deployment", "flow"):
         found = intervals.get(source)
@@ -66,7 +69,7 @@ def widest_interval(intervals, state, quantity):
 def draw_bars(axes, rows, interval, quantity):
     """Draws a bar for each input, from the quantity at the input's low end to that at its high end.
 
-    rows: from panel_rows; interval: from widest_interval, shaded if it is known.
+    rows: from panel_rows; interval: from interval_of_most_inputs, shaded if it is known.
     """
     planned = rows["at_planned"].iloc[0]
     if interval is not None and np.isfinite(interval["lower"]):

@@ -19,7 +19,7 @@ NAME = re.compile(r"\b(?=\w*[A-Z]\w*[A-Z])[A-Z][A-Z0-9_]*\b")  # two capitals or
 # Words that no code has: programs, formats, methods, medicine, journals and trials, placeholders.
 WORDS = """
     AIJ AVX AVX2 CSR FCL HXT LZ4 LZMA NOLINT UFL VTK_DOUBLE
-    ASCII IEEE ISO NRRD OBJ README RO SI URI VTP
+    ASCII HTML IEEE ISO NRRD OBJ README RO SI URI VTP
     AIC BDF2 EI ERR FFT MSER NLEQ PCG PN
     DBP IVUS LCX RCA SBP
     ACC ACM EACTS EAPCI ESC I3D III ONE SYNTAX TBME TVCG ULTIMATE

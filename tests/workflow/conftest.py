@@ -13,6 +13,7 @@ import pytest
 
 SNAKEMAKE = "/usr/bin/snakemake"
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+FOLDERS = ("devices", "frames", "assets", "cases", "data", "figures")  # outputs of rules that are folders
 NOT_COPIED = shutil.ignore_patterns(
     ".git", "build", "build-*", "results", ".snakemake", "__pycache__", "data", ".pytest_cache"
 )
@@ -78,7 +79,7 @@ def finished_study(tmp_path_factory):
         for name in [*job["output"], *job["log"], *([job["benchmark"]] if job["benchmark"] else [])]:
             path = workspace.folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.mkdir(exist_ok=True) if name.endswith(("/devices", "/frames")) else path.write_text(f"{name}\n")
+            path.mkdir(exist_ok=True) if path.name in FOLDERS else path.write_text(f"{name}\n")
     run = workspace.snakemake("--forceall", "--touch")
     assert run.returncode == 0, run.stderr
     return workspace

@@ -11,6 +11,7 @@ import pathlib
 import pytest
 
 from reports.page.check import check_report
+from reports.page.sources import SOURCES
 
 CASES = ("quick_focal", "quick_branch")
 
@@ -27,15 +28,32 @@ def report():
 
 
 def test_opens_from_disk_without_error_or_network(report):
-    check_report(report)
+    """Every page, with every file that it names."""
+    assert len(check_report(report)) >= 1 + len(CASES)
 
 
 def test_shows_every_case_and_the_published_agreement(report):
-    page = report.read_text()
+    index = report.read_text()
     for case in CASES:
-        assert case in page
+        assert f'href="cases/{case}.html"' in index
+        assert f"<h1>{case}</h1>" in (report.parent / "cases" / f"{case}.html").read_text()
     for number in ("1.55", "1.89"):
-        assert number in page, "published agreement of the cross-sectional area"
+        assert number in index, "published agreement of the cross-sectional area"
+
+
+def test_hands_out_the_data_of_every_figure_and_table(report):
+    wanted = {name.format(case=case) for source in SOURCES.values() for name in source.data for case in CASES}
+    assert wanted - {"failed.csv"} <= {path.name for path in (report.parent / "data").iterdir()}
+
+
+def test_nine_patients_stay_within_15_mb(report):
+    """The largest patient counts nine times, and the study's own files grow as the patients do."""
+    files = [path for path in report.parent.rglob("*") if path.is_file()]
+    sizes = {path: path.stat().st_size for path in files}
+    of_case = {case: sum(sizes[path] for path in files if path.name.startswith(case)) for case in CASES}
+    fixed = sum(sizes[path] for path in files if path.parent.name == "assets")
+    of_study = sum(sizes.values()) - sum(of_case.values()) - fixed
+    assert fixed + 9 * max(of_case.values()) + 9 / len(CASES) * of_study < 15e6
 
 
 def test_names_the_provenance_by_its_hash(report):

@@ -151,7 +151,7 @@ rule half_maximum_metrics:
         "{wildcards.case}: area, curvature and FFR of the lumens at half maximum"
     input:
         HALF_MAXIMUM.compared_files,
-        HALF_MAXIMUM.ffr_files,
+        f"{ARM}/ffr.json",
         expand(f"{ARM}/ct/{{state}}/segmentation.json", state=["pre", "reference"], allow_missing=True),
         expand(
             f"{ARM}/{{state}}/anatomy/{{name}}",
@@ -161,6 +161,8 @@ rule half_maximum_metrics:
         ),
         scene="results/cases/{case}/vci/scene.json",
         deployment="results/cases/{case}/vci/deployment.json",
+        deployed="results/cases/{case}/vci/lumen.vtp",
+        devices="results/cases/{case}/vci/devices",
         boundary="results/cases/{case}/flow/boundary.json",
         code=command_code("reports", "run_metrics"),
     output:

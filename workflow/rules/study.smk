@@ -2,6 +2,9 @@
 CASE_FIGURES = ["lumen", "pullback", "stations", "area", "curvature"]
 STUDY_FIGURES = ["ffr_before_after"] + (["agreement"] if INPUTS.any_truth(CASES) else [])
 STUDY_FIGURES += ["differences"] if INPUTS.any_lumen_after(CASES) else []
+# The tables that the report shows or hands out.
+STUDY_TABLES = ["agreement", "half_maximum", "nearer", "contrast", "differences", "differences_stations", "seconds"]
+STUDY_TABLES += ["timings", "cohort", "patients", "inclusion"]
 
 
 rule metrics:
@@ -21,6 +24,8 @@ rule metrics:
         case=ancient(CASE_FILE),
         scene="results/cases/{case}/vci/scene.json",
         deployment="results/cases/{case}/vci/deployment.json",
+        deployed="results/cases/{case}/vci/lumen.vtp",
+        devices="results/cases/{case}/vci/devices",
         boundary="results/cases/{case}/flow/boundary.json",
         code=command_code("reports", "run_metrics"),
     output:
@@ -294,7 +299,7 @@ rule provenance:
         # metrics, pictures and varied plans come last in a case, when every product and every log is written
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
-        varied=expand("results/cases/{case}/{table}.csv", case=INPUTS.cases_with_variable_flow(CASES), table=["plans/ranking", "sensitivity/flow"]),
+        varied=expand("results/cases/{case}/{table}.csv", case=CASES, table=["plans/ranking", "sensitivity/flow"]),
         half_maximum=expand("results/cases/{case}/half_maximum/metrics.json", case=HALF_MAXIMUM_CASES),
         software="results/study/software.json",
         programs=[VCI, LUMEN],
@@ -322,15 +327,16 @@ rule report:
             "results/figures/{case}_{name}.{format}", case=CASES, name=[*CASE_FIGURES, "procedure"], format=["svg", "png"]
         ),
         ct=expand("results/figures/{case}_ct.png", case=[case for case in CASES if "ct" in INPUTS.states(case)]),
-        plans=expand("results/cases/{case}/plans/ranking.csv", case=INPUTS.cases_with_variable_flow(CASES)),
-        sensitivity=expand("results/figures/{case}_sensitivity.{format}", case=INPUTS.cases_with_variable_flow(CASES), format=["svg", "png"]),
+        plans=expand("results/cases/{case}/plans/ranking.csv", case=CASES),
+        sensitivity=expand("results/figures/{case}_sensitivity.{format}", case=CASES, format=["svg", "png"]),
         study_figures=expand("results/figures/{name}.{format}", name=STUDY_FIGURES, format=["svg", "png"]),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
-        tables=expand("results/study/{table}.csv", table=["agreement", "half_maximum", "nearer", "contrast", "differences", "seconds", "timings", "cohort", "patients"]),
+        tables=expand("results/study/{table}.csv", table=STUDY_TABLES),
         inclusion="results/figures/inclusion.svg",
         software="results/study/software.json",
         provenance="results/study/provenance.json",
         code=command_code("reports", "run_report") + ["reports/study/published.json"],
+        claims=["reports/page/claims.yaml", "config/schemas/claims.schema.yaml"],
         templates=INPUTS.page_templates(),
         three=os.path.join(config.get("build", "build"), "three.min.js"),
         solved=solved_plans(CASES),
@@ -339,6 +345,8 @@ rule report:
         benchmarks=benchmark_tables(),
     output:
         "results/report/index.html",
+        "results/report/benchmarks.html",
+        [directory(f"results/report/{name}") for name in ("assets", "cases", "data", "figures")],
     log:
         "results/study/logs/report.log",
     benchmark:
@@ -350,10 +358,11 @@ rule report:
         failed=failed_option,
         figures=figures_folder,
         benchmarks=benchmark_folder,
+        out=output_folder,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m reports report --case-dir {params.case_dirs} --study-dir {params.study}"
         " --figures-dir {params.figures} --software {input.software} --provenance {input.provenance} {params.cohort} {params.failed} {params.benchmarks}"
-        " --junit {input.tests} --three {input.three} --out {output}"
+        " --junit {input.tests} --three {input.three} --out {params.out}"
 
 
 rule numbers:
@@ -361,8 +370,8 @@ rule numbers:
         "the study's numbers in one file"
     input:
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
-        plans=expand("results/cases/{case}/plans/ranking.csv", case=INPUTS.cases_with_variable_flow(CASES)),
-        intervals=expand("results/cases/{case}/sensitivity/flow_intervals.csv", case=INPUTS.cases_with_variable_flow(CASES)),
+        plans=expand("results/cases/{case}/plans/ranking.csv", case=CASES),
+        intervals=expand("results/cases/{case}/sensitivity/flow_intervals.csv", case=CASES),
         tables=expand(
             "results/study/{table}.csv",
             table=["agreement", "half_maximum", "nearer", "contrast", "differences", "cohort", "patients", "inclusion"],

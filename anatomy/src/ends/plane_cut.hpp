@@ -21,7 +21,8 @@ constexpr double square_half_width = 2;
 /// half of the area.
 double cut_at_plane(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy);
 
-/// Cuts as cut_at_plane() does, but keeps the side that holds `vertex`, whatever its size. Returns the area dropped (mm2).
+/// Cuts as cut_at_plane() does, but keeps the side that holds `vertex`, whatever its size. Returns the area dropped in
+/// mm2.
 double cut_and_keep(Mesh& mesh, const Plane& plane, Vertex vertex, const std::string& remedy);
 
 /// Adds a cut to `repairs`, as `what`, with its radius, its place and the area `lost` (mm2).

@@ -1,9 +1,9 @@
-/* Marks the section in view in the navigation, and gives the 3-D stage to the case in view. */
+/* Marks the section in view in the navigation, opens what is folded for print, and starts the 3-D viewer. */
 (function () {
   "use strict";
 
-  const links = Array.from(document.querySelectorAll("nav a"));
-  const targets = links.map((link) => document.querySelector(link.getAttribute("href")));
+  const links = Array.from(document.querySelectorAll('nav a[href*="#"]')).filter((link) => link.pathname === location.pathname);
+  const targets = links.map((link) => document.getElementById(decodeURIComponent(link.hash.slice(1))));
 
   function markCurrent() {
     let current = 0;
@@ -19,22 +19,15 @@
     document.querySelectorAll("details").forEach((item) => { item.open = true; });
   });
 
-  const stage = window.vciStage();
-  if (!stage) return;  // no WebGL: the pictures stay
-  const viewers = Array.from(document.querySelectorAll(".viewer"));
-
-  /* Height of the window that a viewer fills. */
-  function visibleHeight(viewer) {
-    const box = viewer.getBoundingClientRect();
-    return Math.min(box.bottom, window.innerHeight) - Math.max(box.top, 0);
+  /* What a link leads to is opened if it is folded; a browser opens only what it is within. */
+  function openTarget() {
+    const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    if (target instanceof HTMLDetailsElement) target.open = true;
   }
+  window.addEventListener("hashchange", openTarget);
+  openTarget();
 
-  function moveStage() {
-    if (!viewers.length) return;
-    const best = viewers.reduce((a, b) => (visibleHeight(b) > visibleHeight(a) ? b : a));
-    if (visibleHeight(best) > 0) stage.show(best);
-  }
-  window.addEventListener("scroll", moveStage, { passive: true });
-  window.addEventListener("resize", moveStage);
-  moveStage();
+  const viewer = document.querySelector(".viewer");
+  const stage = viewer && window.vciStage();  // null without WebGL: the picture stays
+  if (stage) stage.show(viewer);
 })();

@@ -3,6 +3,11 @@
   "use strict";
 
   const INNER_COLOUR = 0xb5473c;
+  const TURN = Math.PI / 18;  // of an arrow key
+  const ZOOM = 1.2;  // of a key or button
+  const NEAREST_MM = 2, FARTHEST_MM = 1000;  // of the camera from the middle: within the clipping planes
+  const TURNS = { ArrowLeft: [-TURN, 0], ArrowRight: [TURN, 0], ArrowUp: [0, -TURN], ArrowDown: [0, TURN] };
+  const ZOOMS = { "+": 1 / ZOOM, "=": 1 / ZOOM, "-": ZOOM, "−": ZOOM };  // = is + without the shift key
   // Colours as the legend has them: no conversion of what is given, nor of what is drawn.
   THREE.ColorManagement.enabled = false;
 
@@ -17,7 +22,7 @@
       this.canvas = this.renderer.domElement;
       this.innerMaterial = new THREE.MeshLambertMaterial({ color: INNER_COLOUR });
       this.raycaster = new THREE.Raycaster();
-      this.canvas.addEventListener("mousedown", () => this.setFocus(true));
+      this.canvas.addEventListener("pointerdown", () => this.setFocus(true));
       this.canvas.addEventListener("mouseleave", () => { this.setFocus(false); this.showReadout(""); });
       this.canvas.addEventListener("mousemove", (event) => this.readValues(event));
       window.addEventListener("resize", () => { if (this.view) this.resize(); });
@@ -39,8 +44,13 @@
 
     createView(element) {
       const view = new window.vciViewer.CaseView(element, this.data.cases[element.dataset.case], this.data.colours);
-      view.onChange = () => { this.show(element); view.apply(); this.draw(); };
-      view.roles.reset.addEventListener("click", () => { this.show(element); this.resetView(); });
+      view.onChange = () => { this.show(element); view.apply(); this.refit(); };
+      const act = (action) => () => { this.show(element); action(); };
+      view.roles.reset.addEventListener("click", act(() => this.resetView()));
+      view.roles.nearer.addEventListener("click", act(() => this.zoom(1 / ZOOM)));
+      view.roles.farther.addEventListener("click", act(() => this.zoom(ZOOM)));
+      view.stage.addEventListener("focus", act(() => {}));
+      view.stage.addEventListener("keydown", (event) => this.onKey(event));
       view.apply();
       return view;
     }
@@ -54,6 +64,9 @@
       this.controls.rotateSpeed = 3;
       this.controls.panSpeed = 0.6;
       this.controls.noZoom = true;
+      this.controls.minDistance = NEAREST_MM;
+      this.controls.maxDistance = FARTHEST_MM;
+      this.canvas.style.touchAction = "pan-y";  // a finger that moves up or down scrolls the page past the picture
       this.controls.addEventListener("change", () => { view.target = this.controls.target.clone(); this.draw(); });
       if (view.target) this.controls.target.copy(view.target);
     }
@@ -62,22 +75,54 @@
       const { clientWidth, clientHeight } = this.view.stage;
       this.renderer.setSize(clientWidth, clientHeight, false);
       this.controls.handleResize();
-      if (this.view.target) this.draw();
-      else this.resetView();
+      this.refit();
+    }
+
+    /* Draws. The whole vessel is shown until the user has moved it. */
+    refit() {
+      if (this.view.isFitted()) this.resetView();
+      else this.draw();
     }
 
     resetView() {
-      const panes = this.view.panes();
-      const aspect = (this.view.stage.clientWidth * (panes[0].to - panes[0].from)) / this.view.stage.clientHeight;
-      this.view.reset(this.controls, aspect);
+      this.view.reset(this.controls);
       this.view.target = this.controls.target.clone();
       this.controls.update();
       this.draw();
     }
 
+    onKey(event) {
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      const turn = TURNS[event.key], zoom = ZOOMS[event.key];
+      if (turn) this.turn(...turn);
+      else if (zoom) this.zoom(zoom);
+      else if (event.key === "0") this.resetView();
+      else return;
+      event.preventDefault();  // the page does not scroll as well
+    }
+
+    /* Turns the vessel, as a drag to the right or downwards does, by angles in radians. */
+    turn(right, down) {
+      const { camera } = this.view, { target } = this.controls;
+      const eye = camera.position.clone().sub(target);
+      const across = camera.up.clone().cross(eye).normalize();
+      const up = camera.up.clone();
+      for (const vector of [eye, camera.up]) vector.applyAxisAngle(up, -right).applyAxisAngle(across, -down);
+      camera.position.copy(target).add(eye);
+      this.controls.update();  // draws if the camera has moved
+    }
+
+    /* Multiplies the camera's distance from the middle. */
+    zoom(factor) {
+      const { camera } = this.view, { target } = this.controls;
+      const eye = camera.position.clone().sub(target);
+      eye.setLength(Math.min(FARTHEST_MM, Math.max(NEAREST_MM, factor * eye.length())));
+      camera.position.copy(target).add(eye);
+      this.controls.update();
+    }
+
     draw() {
       const { renderer, view } = this;
-      const width = view.stage.clientWidth, height = view.stage.clientHeight;
       renderer.setScissorTest(false);
       renderer.setClearColor(0xffffff, 0);
       renderer.clear();
@@ -85,10 +130,11 @@
       view.titles.forEach((title) => { title.textContent = ""; });
       view.panes().forEach((pane, k) => {
         const state = view.states[pane.state];
-        const left = Math.round(pane.from * width), across = Math.round((pane.to - pane.from) * width);
-        renderer.setViewport(left, 0, across, height);
-        renderer.setScissor(left, 0, across, height);
-        view.camera.aspect = across / height;
+        const bottom = view.stage.clientHeight - pane.top - pane.tall;
+        const place = [pane.left, bottom, pane.across, pane.tall].map(Math.round);
+        renderer.setViewport(...place);
+        renderer.setScissor(...place);
+        view.camera.aspect = pane.across / pane.tall;
         view.camera.updateProjectionMatrix();
         view.light.position.copy(view.camera.position).addScaledVector(view.camera.up, 30);
         view.light.target.position.copy(this.controls.target);
@@ -97,8 +143,10 @@
         if (inner) state.scene.add(inner);
         renderer.render(state.scene, view.camera);
         if (inner) state.scene.remove(inner);
-        view.titles[k].style.left = `calc(${100 * pane.from}% + .6rem)`;
-        view.titles[k].textContent = view.titleOf(pane.state) + (inner ? `, around: ${view.titleOf(view.innerState())} (red)` : "");
+        view.titles[k].style.left = `calc(${pane.left}px + .6rem)`;
+        view.titles[k].style.top = `calc(${pane.top}px + .5rem)`;
+        const around = inner ? `, around: ${view.titleOf(view.innerState())} (red)` : "";
+        view.titles[k].textContent = view.titleOf(pane.state) + around;
       });
     }
 
@@ -122,18 +170,29 @@
     readValues(event) {
       if (!this.view || event.buttons) return;
       const box = this.canvas.getBoundingClientRect();
-      const x = (event.clientX - box.left) / box.width, y = (event.clientY - box.top) / box.height;
-      const pane = this.view.panes().find((item) => x >= item.from && x <= item.to);
+      const x = event.clientX - box.left, y = event.clientY - box.top;
+      const inside = ({ left, top, across, tall }) => x >= left && x <= left + across && y >= top && y <= top + tall;
+      const pane = this.view.panes().find(inside);
       if (!pane) return;
       const state = this.view.states[pane.state];
-      const across = pane.to - pane.from;
-      this.view.camera.aspect = (across * box.width) / box.height;
+      this.view.camera.aspect = pane.across / pane.tall;
       this.view.camera.updateProjectionMatrix();
-      this.raycaster.setFromCamera({ x: (2 * (x - pane.from)) / across - 1, y: 1 - 2 * y }, this.view.camera);
+      const pointer = { x: (2 * (x - pane.left)) / pane.across - 1, y: 1 - (2 * (y - pane.top)) / pane.tall };
+      this.raycaster.setFromCamera(pointer, this.view.camera);
       const hit = this.raycaster.intersectObject(state.front)[0];
       if (!hit) { this.showReadout(""); return; }
       const at = hit.face.a, values = state.values;
-      this.showReadout(`${values.ffr ? `FFR ${values.ffr[at].toFixed(3)} · ` : ""}CSA ${values.area[at].toFixed(2)} mm² · diameter ${values.diameter[at].toFixed(2)} mm`);
+      const shown = (field, name, digits, unit) => {
+        const value = values[field] ? values[field][at] : NaN;
+        return Number.isNaN(value) ? [] : [`${name} ${value.toFixed(digits)}${unit}`];
+      };
+      this.showReadout([
+        ...shown("ffr", "FFR", 3, ""),
+        ...shown("area", "CSA", 2, " mm²"),
+        ...shown("diameter", "diameter", 2, " mm"),
+        ...shown("stretch", "wall stretch", 2, ""),
+        ...shown("gap", "gap to stent", 2, " mm"),
+      ].join(" · "));
     }
   }
 

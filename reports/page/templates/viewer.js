@@ -6,6 +6,22 @@
   const DEVICE_COLOUR = 0x2b2b33;
   const PLAIN_COLOUR = 0xb5473c;
   const OVERLAY_OPACITY = 0.4;  // the outer wall, when a lumen is shown inside it
+  const NEUTRAL = [0.75, 0.75, 0.75];  // where there is no value
+  // What the wall can be coloured by. beyond: what the limit of the colours means; none: where there is no value.
+  const FIELDS = {
+    ffr: { name: "FFR", digits: 2, none: "a lumen without computed flow" },
+    diameter: { name: "Diameter (mm)", digits: 1 },
+    stretch: {
+      name: "Wall stretch (length after PCI / length before)", digits: 1,
+      beyond: "strips of artery tear in tests; usual in a dilated lesion, a hint of dissection next to a stent",
+      none: "wall far from all devices, other lumens",
+    },
+    gap: {
+      name: "Gap between stent and wall (mm)", digits: 1,
+      beyond: "malapposition to be corrected (European consensus)",
+      none: "wall without a stent, other lumens",
+    },
+  };
 
   /* The columns of integers that geometry.py packs: unsigned, `size` bytes each. */
   function unpack(text, columns, size) {
@@ -32,6 +48,12 @@
     return Float32Array.from(array, (v) => low + (v / QUANTISATION_STEPS) * (high - low));
   }
 
+  /* Values at points; nan where there is none. */
+  function unpackValues(text, low, high) {
+    const steps = unpack(text, 1, 2)[0];
+    return dequantised(steps, low, high).map((value, k) => (steps[k] === QUANTISATION_STEPS ? NaN : value));
+  }
+
   function interleaved(columns, kind) {
     const out = new kind(3 * columns[0].length);
     columns.forEach((column, c) => column.forEach((v, k) => { out[3 * k + c] = v; }));
@@ -54,10 +76,11 @@
     return result;
   }
 
-  /* The colours of values over [low, high], from the table the figures use too. */
+  /* The colours of values over [low, high] from a table of colours; neutral where there is no value. */
   function rampColours(values, low, high, table) {
     const out = new Float32Array(values.length * 3);
     values.forEach((value, k) => {
+      if (Number.isNaN(value)) { out.set(NEUTRAL, 3 * k); return; }
       const at = Math.max(0, Math.min(1, (value - low) / (high - low || 1))) * (table.length - 1);
       const below = Math.min(Math.floor(at), table.length - 2);
       for (let c = 0; c < 3; c++) {
@@ -67,24 +90,34 @@
     return out;
   }
 
+  /* A colour of 0 to 1 as CSS has it. */
+  function css(colour) {
+    return `rgb(${colour.map((v) => Math.round(255 * v)).join(",")})`;
+  }
+
   /* All of one case: a scene a state, one camera for all of them. */
   class CaseView {
-    constructor(element, data, table) {
+    constructor(element, data, tables) {
       this.element = element;
       this.stage = element.querySelector(".stage");
       this.data = data;
-      this.table = table;
+      this.tables = tables;
       this.roles = {};
       element.querySelectorAll("[data-role]").forEach((item) => { this.roles[item.dataset.role] = item; });
       this.states = {};
       for (const [name, packed] of Object.entries(data.states)) this.states[name] = this.makeState(name, packed);
       if (Object.keys(this.states).length < 2) this.roles.mode.value = "single";
+      this.whole = this.extent();
       this.camera = new THREE.PerspectiveCamera(25, 1, 0.1, 2000);
       this.light = new THREE.DirectionalLight(0xffffff, 0.6 * Math.PI);
       this.titles = [0, 1].map(() => this.addLabel("title"));
       this.readout = this.addLabel("readout");
+      this.stage.tabIndex = 0;
+      this.stage.setAttribute("role", "application");  // screen readers pass the arrow keys on
+      this.stage.setAttribute("aria-describedby", this.roles.keys.id);
       element.querySelectorAll(".tools, .hint").forEach((item) => { item.hidden = false; });
-      element.querySelectorAll("select, input").forEach((item) => item.addEventListener("input", () => this.onChange()));
+      const chosen = () => this.onChange();
+      element.querySelectorAll("select, input").forEach((item) => item.addEventListener("input", chosen));
     }
 
     addLabel(name) {
@@ -97,7 +130,9 @@
     makeState(name, packed) {
       const { ranges, bounds } = this.data;
       const values = {};
-      for (const key of Object.keys(ranges).filter((name) => packed[name])) values[key] = dequantised(unpack(packed[key], 1, 2)[0], ...ranges[key]);
+      for (const key of Object.keys(ranges).filter((field) => packed[field])) {
+        values[key] = unpackValues(packed[key], ...ranges[key]);
+      }
       const shape = unpackGeometry(packed, bounds);
       shape.setAttribute("color", new THREE.BufferAttribute(new Float32Array(values.area.length * 3), 3));
       const backMaterial = new THREE.MeshLambertMaterial({ vertexColors: true, side: THREE.BackSide });
@@ -112,43 +147,59 @@
       scene.add(wall, new THREE.HemisphereLight(0xffffff, 0xb8b8c4, 0.5 * Math.PI));
       const devices = new THREE.Group();
       if (name === "vci") {
+        const material = new THREE.MeshPhongMaterial({ color: DEVICE_COLOUR });
         for (const device of this.data.devices) {
-          devices.add(new THREE.Mesh(unpackGeometry(device, bounds), new THREE.MeshPhongMaterial({ color: DEVICE_COLOUR })));
+          devices.add(new THREE.Mesh(unpackGeometry(device, bounds), material));
         }
       }
       scene.add(devices);
       return { scene, wall, front, backMaterial, frontMaterial, devices, values, shape };
     }
 
-    /* Looks along the axis of least extent, with the whole vessel in the picture. */
-    reset(controls, aspect) {
-      const [low, high] = this.data.bounds.map((p) => new THREE.Vector3(...p));
-      const middle = low.clone().add(high).multiplyScalar(0.5);
+    /* {middle, across, tall}: the middle of all lumens in the first view, and their half width and height there, mm. */
+    extent() {
       const [right, up, towards] = this.data.view.map((p) => new THREE.Vector3(...p));
-      let across = 0, tall = 0;
+      const p = new THREE.Vector3(), [low, high] = [Infinity, -Infinity].map((v) => new THREE.Vector3(v, v, v));
       for (const state of Object.values(this.states)) {
-        const at = state.shape.getAttribute("position"), p = new THREE.Vector3();
+        const at = state.shape.getAttribute("position");
         for (let k = 0; k < at.count; k++) {
-          p.fromBufferAttribute(at, k).sub(middle);
-          across = Math.max(across, Math.abs(p.dot(right)));
-          tall = Math.max(tall, Math.abs(p.dot(up)));
+          p.fromBufferAttribute(at, k);
+          p.set(p.dot(right), p.dot(up), p.dot(towards));
+          low.min(p);
+          high.max(p);
         }
       }
-      const distance = 1.12 * Math.max(tall, across / aspect) / Math.tan((this.camera.fov * Math.PI) / 360);
+      const { x, y, z } = low.clone().add(high).multiplyScalar(0.5);
+      const middle = new THREE.Vector3().addScaledVector(right, x).addScaledVector(up, y).addScaledVector(towards, z);
+      return { middle, across: (high.x - low.x) / 2, tall: (high.y - low.y) / 2 };
+    }
+
+    /* Looks along the axis of least extent, with the whole vessel in each pane. */
+    reset(controls) {
+      const [, up, towards] = this.data.view.map((p) => new THREE.Vector3(...p));
+      const { middle, across, tall } = this.whole, [pane] = this.panes();
+      const half = Math.max(tall, (across * pane.tall) / pane.across);
+      const distance = (1.12 * half) / Math.tan((this.camera.fov * Math.PI) / 360);
       this.camera.up.copy(up);
       this.camera.position.copy(middle).addScaledVector(towards, distance + 3);
       controls.target.copy(middle);
+      this.fitted = this.camera.position.clone();
+    }
+
+    /* Whether the camera is where `reset` put it. */
+    isFitted() {
+      return !this.fitted || this.fitted.distanceTo(this.camera.position) < 1e-6;
     }
 
     /* Applies what the user chose; `onChange` is set by the stage to draw again. */
     apply() {
-      const { roles, data } = this;
-      const colour = roles.colour.value;
-      const [low, high] = colour === "plain" ? [0, 1] : data.ranges[colour];
+      const { roles } = this;
+      const colour = roles.colour.value, plain = colour === "plain";
+      const scale = plain ? null : this.scaleOf(colour);
       for (const state of Object.values(this.states)) {
-        const plain = colour === "plain" || !state.values[colour];  // a lumen without a flow has no FFR
         if (!plain) {
-          state.shape.getAttribute("color").array.set(rampColours(state.values[colour], low, high, this.table));
+          const values = state.values[colour] || new Float32Array(state.values.area.length).fill(NaN);
+          state.shape.getAttribute("color").array.set(rampColours(values, scale.low, scale.high, scale.table));
           state.shape.getAttribute("color").needsUpdate = true;
         }
         [state.backMaterial, state.frontMaterial].forEach((material) => {
@@ -160,25 +211,46 @@
         state.devices.visible = !roles.devices || roles.devices.checked;
       }
       roles.second.hidden = roles.mode.value === "single";
-      this.drawLegend(colour, low, high);
+      roles.legend.replaceChildren(...(plain ? [] : this.legend(colour, scale)));
+      const shown = this.panes().map((pane) => this.titleOf(pane.state)).join(" and ");
+      const chosen = roles.colour.selectedOptions[0].textContent;
+      this.stage.setAttribute("aria-label", `3D picture of the lumen: ${shown}; colour: ${chosen}`);
     }
 
-    drawLegend(colour, low, high) {
-      if (colour === "plain") { this.roles.legend.textContent = ""; return; }
-      const stops = this.table.map((c) => `rgb(${c.map((v) => Math.round(255 * v)).join(",")})`).join(",");
-      const digits = colour === "ffr" ? 2 : 1;
+    /* {low, high, limit, table} of the colours of a field: fixed ends and a limit, or else the ends of its values. */
+    scaleOf(field) {
+      const fixed = this.data.scales[field];
+      if (fixed) return { ...fixed, table: this.tables.limit };
+      const [low, high] = this.data.ranges[field];
+      return { low, high, table: this.tables.plain };
+    }
+
+    legend(field, { low, high, limit, table }) {
+      const { name, digits, beyond, none } = FIELDS[field];
       const bar = document.createElement("span");
       bar.className = "ramp";
-      bar.style.background = `linear-gradient(90deg,${stops})`;
-      const name = colour === "ffr" ? "FFR " : "Diameter (mm) ";
-      this.roles.legend.replaceChildren(name + low.toFixed(digits), bar, high.toFixed(digits));
+      bar.style.background = `linear-gradient(90deg,${table.map(css).join(",")})`;
+      const parts = [`${name}: ${low.toFixed(digits)}`, bar, high.toFixed(digits)];
+      if (limit) parts.push(` and more. Beyond ${limit.toFixed(digits)}, in warm colours: ${beyond}.`);
+      if (none && Object.values(this.states).some(({ values }) => !values[field] || values[field].some(Number.isNaN))) {
+        const grey = document.createElement("span");
+        grey.className = "swatch";
+        grey.style.background = css(NEUTRAL);
+        parts.push(" ", grey, `no value: ${none}.`);
+      }
+      return parts;
     }
 
-    /* The panes to draw: [{state, from, to}] with horizontal shares of the stage. */
+    /* The panes to draw: [{state, left, top, across, tall}] in pixels of the stage. Two lie as the vessel is larger. */
     panes() {
-      const { left, right, mode } = this.roles;
-      if (mode.value === "side") return [{ state: left.value, from: 0, to: 0.5 }, { state: right.value, from: 0.5, to: 1 }];
-      return [{ state: mode.value === "single" ? left.value : right.value, from: 0, to: 1 }];
+      const { left, right, mode } = this.roles, { clientWidth: width, clientHeight: height } = this.stage;
+      const whole = { left: 0, top: 0, across: width, tall: height };
+      if (mode.value !== "two") return [{ ...whole, state: mode.value === "single" ? left.value : right.value }];
+      const { across, tall } = this.whole;
+      const beside = Math.min(width / 2 / across, height / tall) > Math.min(width / across, height / 2 / tall);
+      const half = beside ? { ...whole, across: width / 2 } : { ...whole, tall: height / 2 };
+      const other = { ...half, left: width - half.across, top: height - half.tall };
+      return [{ ...half, state: left.value }, { ...other, state: right.value }];
     }
 
     /* The state drawn inside the other, null in the other modes. */
@@ -191,5 +263,5 @@
     }
   }
 
-  window.vciViewer = { CaseView, unpackGeometry };
+  window.vciViewer = { CaseView, unpackGeometry, unpackValues };
 })();

@@ -203,6 +203,22 @@ def write_stent(path, tube, crowns=8, rings=9):
     write_vtp(path, wrap_in_tubes(polydata_from(np.array(points), lines=lines)))
 
 
+def write_deployed(folder, before, after, gap_mm=0.5):
+    """The deployed lumen with its arrays, and the smooth stent over SEGMENT; the stent is off the wall at one ring."""
+    surface, s = tube_surface(after), np.linspace(0.0, LENGTH_MM, 65)
+    over_rings = [after.radii(s) / before.radii(s), np.where(s == 20.0, gap_mm, 0.0), after.radii(s) - before.radii(s)]
+    stretch, gap, outward = (np.concatenate([np.repeat(v, 20), v[[0, -1]]]) for v in over_rings)
+    add_array(surface.GetPointData(), "wall_stretch", stretch)
+    add_array(surface.GetPointData(), "malapposition_mm", gap)
+    add_array(surface.GetPointData(), "displacement_mm", np.column_stack([outward, 0 * outward, 0 * outward]))
+    write_vtp(folder / "lumen.vtp", surface)
+    points, triangles = vtp.points_and_triangles(surface)
+    ring = np.arange(len(points) - 2) // 20
+    within = np.append((s[ring] >= SEGMENT[0]) & (s[ring] <= SEGMENT[1]), [False, False])
+    kept = triangles[within[triangles].all(axis=1)]
+    write_vtp(folder / "devices" / "stent1.vtp", polydata_from(points[within], (np.cumsum(within) - 1)[kept]))
+
+
 def wrap_in_tubes(axes, thickness=0.08):
     tubes, both = vtk.vtkTubeFilter(), vtk.vtkAppendPolyData()
     tubes.SetInputData(axes)
@@ -240,6 +256,7 @@ def write_procedure(folder):
     document.update(settings={"edge_mm": 0.4}, switched_off=["folding"], minimal_stent_area_mm2=7.3)
     document.update(minimal_lumen_area_in_stent_mm2=7.05, warnings=["stent: opened beyond its maximal diameter"])
     document.update(expansion_index=0.9, recoil_percent=4.0, foreshortening_percent=1.5, straightening_deg=3.0)
+    document["stents"] = [{"device": "des_3.50x18", "branch": "main", "expansion_index": 0.9}]
     write_json(folder / "deployment.json", document)
 
 
@@ -268,6 +285,7 @@ def build_case(
         if state != "post" or compare == "flow":
             write_flow(folder / "flow" / state, tube, wire)
     write_procedure(folder / "vci")
+    write_deployed(folder / "vci", tubes["pre"], tubes["vci"])
     write_stent(folder / "vci" / "devices" / "stent1_struts.vtp", tubes["vci"])
     boundary = {"map_pa": MAP_PA, "venous_pressure_pa": VENOUS_PA, "q_hyperaemic_m3_per_s": Q_M3_PER_S}
     boundary["probes"] = [] if wire is None else [{"name": "measured", "branch": "main", "s_mm": wire}]

@@ -11,7 +11,8 @@ from common.errors import InputError
 from reports.__main__ import main
 from reports.inputs.case_files import CaseFiles
 from reports.figures import curves as curves_module
-from reports.figures.curves import FIGURE_SIZE, legend_below
+from reports.figures import study as study_module
+from reports.figures.curves import FIGURE_SIZE, axis_end, legend_below
 from reports.figures.lumen import project_triangles, panel_grid, view_axes
 from reports.measuring.profiles import read_pullback, read_pullback_error
 from reports.inputs.surface import Surface, read_device, read_lumen
@@ -84,8 +85,8 @@ def write_pullback_errors(path, errors):
     path.write_text("\n".join([lines[0], *map("".join, zip(lines[1:], errors))]) + "\n")
 
 
-@pytest.mark.parametrize(("error", "share"), [(0.3, 0.3), (2.0, None)])
-def test_a_wide_band_lies_within_the_axes(measured_case, tmp_path, monkeypatch, error, share):
+@pytest.mark.parametrize(("error", "lower"), [(0.01, 0.75), (0.3, 0.5), (2.0, 0.0)])
+def test_a_wide_band_lies_within_the_axes(measured_case, tmp_path, monkeypatch, error, lower):
     """Cut off it would look narrower than it is; but no FFR is below 0."""
     folder, drawn = measured_case("tube"), []
     monkeypatch.setattr(curves_module, "save_figure", lambda figure, *_: drawn.append(figure))
@@ -94,8 +95,54 @@ def test_a_wide_band_lies_within_the_axes(measured_case, tmp_path, monkeypatch, 
     metrics = json.loads((folder / "metrics.json").read_text())
     curves_module.pullback_figure(CaseFiles("tube", folder), metrics, tmp_path)
     (axes,) = drawn[0].axes
-    lowest = read_pullback(path, metrics["segment"]["branch"])[1].min() - share if share else 0.0
-    assert axes.get_ylim()[0] == pytest.approx(lowest - 0.02) and lowest < 0.75
+    lowest = read_pullback(path, metrics["segment"]["branch"])[1].min() - error
+    assert axes.get_ylim()[0] == lower <= max(0.0, lowest)
+    plt.close(drawn[0])
+
+
+@pytest.mark.parametrize(
+    ("largest", "ends", "end"),
+    [(7.0, (10, 25), 10), (10.0, (10, 25), 10), (10.1, (10, 25), 25), (25.1, (10, 25), 50), (0.31, (0.15, 0.35), 0.35)],
+)
+def test_an_axis_ends_at_a_fixed_value_and_widens_only_for_a_larger_one(largest, ends, end):
+    assert axis_end(largest, ends) == end
+
+
+def test_profiles_of_two_patients_have_the_same_axes(measured_case, tmp_path, monkeypatch):
+    """Each figure is drawn from one case alone."""
+    drawn = []
+    monkeypatch.setattr(curves_module, "save_figure", lambda figure, *_: drawn.append(figure.axes[0].get_ylim()))
+    metrics = json.loads((measured_case("tube") / "metrics.json").read_text())
+    for share in (1.0, 0.8):
+        for entry in metrics["states"].values():
+            entry["area"]["profile_mm2"] = [share * value for value in entry["area"]["profile_mm2"]]
+            entry["curvature"]["profile_per_mm"] = [share * value for value in entry["curvature"]["profile_per_mm"]]
+        curves_module.area_figure(metrics, tmp_path)
+        curves_module.curvature_figure(metrics, tmp_path)
+    assert drawn[:2] == drawn[2:] and drawn[0] != drawn[1]
+    metrics["states"]["vci"]["area"]["profile_mm2"][0] = 26.0
+    curves_module.area_figure(metrics, tmp_path)
+    assert drawn[-1][1] == pytest.approx(50.0 * (1.0 + curves_module.HEADROOM)), "nothing is cut off"
+    plt.close("all")
+
+
+def test_rows_of_the_agreement_share_the_axis_of_a_quantity(measured_case, tmp_path, monkeypatch):
+    """So the errors of each kind can be compared; the published limits do not flatten them, but are written."""
+    drawn = []
+    monkeypatch.setattr(study_module, "save_figure", lambda figure, *_: drawn.append(figure))
+    states = ("pre", "vci", "rc", "reference", "ct", "ct_vci", "ct_rc")
+    folders = [measured_case(name, states=states, change=change) for name, change in (("a", 0.0), ("b", 0.02))]
+    study_module.agreement_figure([json.loads((one / "metrics.json").read_text()) for one in folders], tmp_path)
+    grid = np.reshape(drawn[0].axes, (4, 4))
+    for column in grid.T:
+        assert len({axes.get_ylim() for axes in column}) == 1
+        low, high = column[0].get_ylim()
+        points = [y for axes in column for line in axes.lines if line.get_marker() != "None" for y in line.get_ydata()]
+        assert len(points) == 14 and low < min(points) and high > max(points)
+    low, high = grid[3, 1].get_ylim()
+    assert high - low < 2.12 + 5.22, "narrower than the published limits of the mean area"
+    labels = [axes.get_xlabel() for axes in grid.ravel()]
+    assert "published: −1.55 (−5.22 to 2.12)" in labels[13] and sum("published" in label for label in labels) == 3
     plt.close(drawn[0])
 
 

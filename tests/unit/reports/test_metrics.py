@@ -41,6 +41,14 @@ def test_values_of_a_tube(make_case, tube):
         assert len(entry["ffr"]["profile"]) == document["stations"]["used"] == 101
 
 
+def test_the_walls_stretch_at_the_edges_of_the_stent_is_kept(make_case):
+    rows = metrics_of(make_case())["deployment"]["stent_edges"]
+    assert [(row["end"], row["largest_stretch"], row["beyond_limit"]) for row in rows] == [
+        ("proximal", 1.0, False),
+        ("distal", 1.0, False),
+    ]
+
+
 def test_differences_between_states(make_case):
     document = metrics_of(make_case())
     a, b = (np.array(document["states"][state]["area"]["profile_mm2"]) for state in ("vci", "reference"))

@@ -17,9 +17,10 @@ from reports.figures.study import study_figures
 from reports.measuring.pressure_wire import same_decision_share
 from reports.measuring.metrics import case_metrics
 from reports.page.build import build_report
+from reports.page.check import read_pages
 from reports.selection.flow_chart import inclusion_figure
 from reports.selection.patients import inclusion_table, patients_table
-from reports.study.differences import difference_table
+from reports.study.differences import difference_table, station_table
 from reports.study.nearer import nearer_table
 from reports.study.timings import timings_table
 from common.files import write_json, write_table
@@ -139,6 +140,7 @@ def test_figures_and_page(make_case, tmp_path, compare):
     write_json(files.metrics, document)
     figures, study = tmp_path / "figures", tmp_path / "study"
     Image.new("RGB", (4, 4)).save(folder / "vci" / "plan.png")
+    write_json(folder / "vci" / "plan.json", {"procedure": []})
     case_figures(files, figures)
     study_figures([document], figures)
     pullback = (figures / "patient_pullback.svg").read_text()
@@ -147,28 +149,35 @@ def test_figures_and_page(make_case, tmp_path, compare):
     write_table(study / "agreement.csv", agreement_table([document]), digits=None)
     write_table(study / "half_maximum.csv", agreement_table([]), digits=None)
     write_table(study / "differences.csv", difference_table([document]), digits=None)
+    write_table(study / "differences_stations.csv", station_table([document]), digits=None)
+    write_table(study / "cohort.csv", cohort_table([document]), digits=None)
     write_table(study / "nearer.csv", nearer_table([document]), digits=None)
     write_table(study / "contrast.csv", contrast_table([document]), digits=None)
     patients = patients_table([document], {"patient": {"patient": {"territory": "lad"}}})
     write_table(study / "patients.csv", patients, digits=None)
-    inclusion_figure(inclusion_table(patients, {"patient": list(STATES)}), figures)
+    steps = inclusion_table(patients, {"patient": list(STATES)})
+    write_table(study / "inclusion.csv", steps, digits=None)
+    inclusion_figure(steps, figures)
     write_table(study / "timings.csv", timings_table([files]), digits=None)
     seconds = ["--out", str(study / "seconds.csv"), "--figures-dir", str(figures)]
     main(["seconds", "--timings", str(study / "timings.csv"), *seconds])
     failed = {"case": "other", "step": "plan", "exit_code": 3, "message": "error: <none> fits", "log": "plan.log"}
-    build_report([files], study, figures, tmp_path / "index.html", failed=[failed])
-    page = (tmp_path / "index.html").read_text()
+    write_json(tmp_path / "failed.json", {"failed": [failed]})
+    build_report([files], study, figures, tmp_path / "report", failed=tmp_path / "failed.json")
+    page, case = (tmp_path / "report" / name for name in ("index.html", "cases/patient.html"))
+    assert read_pages(page)
+    page, case = page.read_text(), case.read_text()
+    for words in ("Computed minus measured", "After the real PCI", "1 of 2 cases has no result"):
+        assert words in page, words
+    assert "error: &lt;none&gt; fits" in page and "--config cases=patient failed=" in page
     for words in (
         "FFR at the pressure wire",
         "0.12 mm are left between the axes",
-        "Computed minus measured",
         "Virtual PCI (VCI) − after PCI",
         "After the real PCI",
         "where each device lies",
-        "1 of 2 cases has no result",
         "FFR at each probe",
-        "error: &lt;none&gt; fits",
     ):
-        assert words in page, words
-    assert ("No flow is computed in it" in page) == (compare == "areas")
+        assert words in case, words
+    assert ("No flow is computed in it" in case) == (compare == "areas")
     assert "Nothing here has been compared" not in page

@@ -20,6 +20,7 @@ def results(tmp_path):
     """A folder of results of one case and another's figure."""
     results = tmp_path / "results"
     files = {"report/index.html": "page", "report/report.json": "{}", "cases/a/metrics.json": "{}", "cases/b/x": ""}
+    files |= {"report/cases/a.html": "page of a", "report/.partial-1/cases/a.html": "", "report/data/.timestamp": ""}
     files |= {"figures/a_lumen.png": "picture", "figures/b_lumen.png": "picture", "figures/agreement.svg": "<svg/>"}
     for name in ("agreement", "half_maximum", "nearer", "contrast", "differences", "inclusion", "patients", "cohort"):
         rows = "case,included,vci_ffr_distal,pre_ffr_distal\na,True,0.9,0.7\nc,True,0.8,\nmild,False,0.98,0.85\n"
@@ -75,6 +76,7 @@ def test_the_crate_describes_every_file_of_this_study_and_no_other(results, repo
     assert len(entities) == len(document["@graph"]), "no two entities of one name"
     parts = [part["@id"] for part in entities["./"]["hasPart"]]
     assert {"report/index.html", "cases/a/metrics.json", "figures/a_lumen.png", "figures/agreement.svg"} <= set(parts)
+    assert "report/cases/a.html" in parts and not [name for name in parts if "/." in name]
     assert not [name for name in parts if "/b" in name], "what an earlier run left of another case"
     assert entities["cases/a/metrics.json"]["sha256"] == "34", "as provenance.json has it"
     page = entities["report/index.html"]

@@ -12,7 +12,7 @@ import pytest
 from common.errors import InputError
 from reports.inputs.surface import Surface
 from reports.page.geometry import QUANTISATION_STEPS, order_for_compression, pack_surface
-from reports.page.assets import THREE_FOLDER, image_uri, three_script, three_version
+from reports.page.folder import THREE_FOLDER, three_script, three_version, webp
 
 BUNDLE = pathlib.Path("build/three.min.js")
 
@@ -79,4 +79,4 @@ def test_the_viewer_unpacks_the_surface_that_was_packed(count):
 def test_a_picture_that_is_none_is_refused(tmp_path):
     (tmp_path / "plan.png").write_bytes(b"\x89PNG, and no more")
     with pytest.raises(InputError, match="a picture cannot be read"):
-        image_uri(tmp_path / "plan.png")
+        webp(tmp_path / "plan.png")

@@ -10,7 +10,7 @@ from reports.__main__ import main
 from reports.inputs.case_files import CaseFiles
 from reports.whatif.page_context import planner_context
 from reports.whatif.tables import range_in_words, read_ranking, read_sensitivity
-from reports.whatif.tornado import widest_interval, panel_rows
+from reports.whatif.tornado import interval_of_most_inputs, panel_rows
 from whatif.plans import COLUMNS as RANKING
 from whatif.sampling import COLUMNS, INTERVAL_COLUMNS
 
@@ -52,10 +52,13 @@ def test_ranges_in_words():
 
 
 def test_the_interval_is_that_of_most_inputs(folder):
-    assert widest_interval({"flow": pd.DataFrame([NARROW], columns=INTERVAL_COLUMNS)}, "vci", "ffr")["lower"] == 0.92
+    assert (
+        interval_of_most_inputs({"flow": pd.DataFrame([NARROW], columns=INTERVAL_COLUMNS)}, "vci", "ffr")["lower"]
+        == 0.92
+    )
     both = {key: pd.DataFrame([row], columns=INTERVAL_COLUMNS) for key, row in (("flow", NARROW), ("deployment", WIDE))}
-    assert widest_interval(both, "vci", "ffr")["lower"] == 0.91
-    assert widest_interval(both, "pre", "ffr") is None
+    assert interval_of_most_inputs(both, "vci", "ffr")["lower"] == 0.91
+    assert interval_of_most_inputs(both, "pre", "ffr") is None
 
 
 def test_the_figure_is_drawn_with_and_without_the_deployment(folder, tmp_path):

@@ -153,8 +153,14 @@ def test_numbers_have_their_tolerances(study, manifest, changed, message):
             verify(manifest, study.results)
 
 
-def test_other_versions_are_said_where_something_differs(study, manifest):
-    newer = {"system": "Debian", "packages": {"gmsh": "4.13"}}
+def test_other_versions_and_machines_differ_in_no_comparison_but_versions_are_said_where_something_does(
+    study, manifest
+):
+    newer = {
+        "system": "Debian",
+        "packages": {"gmsh": "4.13"},
+        "machine": {"processor": "x", "cores": 64, "memory_gib": 9},
+    }
     (study.results / "study" / "software.json").write_text(json.dumps(newer))
     study.provenance()
     verify(manifest, study.results)

@@ -1,0 +1,72 @@
+"""Warnings that put a patient's result in doubt."""
+
+from reports.figures.style import SHORT_LABELS
+from reports.inputs.case_files import TRUE_STATES
+from reports.page.verdict.words import ffr_computed, significant
+from reports.selection.patients import LOW_FFR_AFTER
+
+# the limits by which the engine warns: OutcomeLimits in vci/results/readouts.hpp, which names their sources
+LEAST_EXPANSION = 0.6
+LARGEST_MALAPPOSITION_MM = 0.4
+MOST_NAMED = 5  # cases that a warning names; the others are counted
+
+
+def warning_groups(contexts):
+    """[{what, cases, more}]: what puts a result in doubt, in which cases. Empty if nothing does.
+
+    cases: {name, id, detail} of the first MOST_NAMED; more: number of the others.
+    """
+    kinds = {
+        "FFR not known to be within the flow's tolerance": tolerance_detail,
+        "flow with artificial viscosity": lambda context: ", ".join(SHORT_LABELS[one] for one in context["modified"]),
+        f"expansion index below {LEAST_EXPANSION:g}": expansion_detail,
+        f"malapposition beyond {LARGEST_MALAPPOSITION_MM:g} mm": malapposition_detail,
+        f"FFR after PCI below {LOW_FFR_AFTER:.2f}": low_ffr_detail,
+    }
+    groups = []
+    for what, detail in kinds.items():
+        cases = [{"name": one["name"], "id": one["id"], "detail": detail(one)} for one in contexts]
+        cases = [case for case in cases if case["detail"]]
+        if cases:
+            groups.append({"what": what, "cases": cases[:MOST_NAMED], "more": len(cases[MOST_NAMED:])})
+    return groups
+
+
+def no_warning_text():
+    """That no warning of `warning_groups` applies, with what was looked for."""
+    return (
+        f"None: each FFR is within the flow's tolerance, no expansion index is below {LEAST_EXPANSION:g}, no"
+        f" malapposition beyond {LARGEST_MALAPPOSITION_MM:g} mm, no FFR after PCI below {LOW_FFR_AFTER:.2f}."
+    )
+
+
+def tolerance_detail(context):
+    """The states of a case whose FFR is not known to be within the tolerance, with its error; empty if none is."""
+    errors = {state: row["error"] for state, row in context["flow"].items() if not row["solution"].get("tolerance_met")}
+    texts = {state: "unknown" if error is None else significant(error) for state, error in errors.items()}
+    return ", ".join(f"{SHORT_LABELS[state]} ± {text}" for state, text in texts.items())
+
+
+def expansion_detail(context):
+    """The smallest expansion index of a case's stents as text; empty if it is large enough or not known."""
+    found = [one["expansion_index"] for one in (context["deployment"] or {}).get("stents", [])]
+    least = min([index for index in found if index is not None], default=LEAST_EXPANSION)
+    return f"{least:.2f}" if least < LEAST_EXPANSION else ""
+
+
+def malapposition_detail(context):
+    """The largest gap between stent and wall of a case as text; empty if it is small or not known."""
+    gap = (context["deployment"] or {}).get("maximal_malapposition_mm") or 0.0
+    return f"{gap:.2f} mm" if gap > LARGEST_MALAPPOSITION_MM else ""
+
+
+def low_ffr_detail(context):
+    """FFR after PCI of a case, predicted and known, if one of them is low; else empty. Equal values are given once."""
+    found = {state: ffr_computed(context["metrics"], state) for state in ("vci", *TRUE_STATES)}
+    known = {state: ffr for state, ffr in found.items() if ffr is not None}
+    if min(known.values(), default=LOW_FFR_AFTER) >= LOW_FFR_AFTER:
+        return ""
+    texts = {state: f"{ffr:.2f}" for state, ffr in known.items()}
+    if len(set(texts.values())) == 1:
+        return next(iter(texts.values()))
+    return ", ".join(f"{SHORT_LABELS[state]} {text}" for state, text in texts.items())
