@@ -15,7 +15,7 @@ sys.path[:0] = [str(pathlib.Path(__file__).parent), str(pathlib.Path(__file__).r
 
 from page_tables import Page, markdown  # noqa: E402
 
-from reports.page.build import signed_decimals  # noqa: E402
+from reports.page.digits import signed_decimals  # noqa: E402
 
 STATES_AFTER = ("reference", "vci", "rc")
 DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}

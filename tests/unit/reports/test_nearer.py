@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reports.page.agreement import agreement_rows
-from reports.page.build import lower_first, signed
+from reports.page.digits import lower_first, signed
 from reports.study.nearer import nearer_table, paired_test
 from reports.study.agreement import agreement_table
 
