@@ -38,7 +38,7 @@ def case_context(files, figures_dir, folder):
     metrics = read_json(files.metrics, "reports metrics")
     flow = {state: flow_row(files, state) for state, entry in metrics["states"].items() if entry["ffr"] is not None}
     deployment = read_json(files.deployment, "vci deploy") if "vci" in metrics["states"] else None
-    edges = (metrics["deployment"] or {}).get("stent_edges", [])
+    edges = metrics["deployment"]["stent_edges"] if metrics["deployment"] else []
     return {
         "name": files.case,
         "id": "case-" + files.case,
@@ -55,6 +55,7 @@ def case_context(files, figures_dir, folder):
             for step in metrics["procedure"]
         ],
         "deployment": deployment,
+        "stent_edges": edges,
         "readouts": [
             f"{words} {deployment[key]:.{digits}f}{unit}"
             for key, words, digits, unit in READOUTS

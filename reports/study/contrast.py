@@ -1,5 +1,7 @@
 """contrast.csv: the errors of VCI and of radius correction against the lumen after PCI, case by case."""
 
+import math
+
 import pandas as pd
 
 from reports.inputs.case_files import TRUE_STATES
@@ -9,7 +11,7 @@ from reports.study.nearer import flow_error
 
 METHODS = ("vci", "rc", "rc_stent")  # virtual PCI; radius correction by the largest balloon, and by the stents alone
 METHOD_NAMES = {"vci": "VCI", "rc": "radius correction"}
-UNDECIDED = "within the flow's error"
+UNDECIDED, UNKNOWN = "within the flow's error", "the flow's error is not known"
 # The error of this quantity is the root mean square of the difference in area along the stent. In a mean, differences
 # of both signs would cancel.
 AREA_PROFILE = "area_profile"
@@ -68,11 +70,13 @@ def profile_error(document, method, truth):
 def nearer_method(errors, noise):
     """{nearer, nearer_by} of the errors {method: error}; both None if a method is missing.
 
-    noise: numerical error of the quantity, infinite if not known. If the sizes of the errors differ by no more than
-    this, neither method counts as nearer.
+    noise: numerical error of the quantity, infinite if not known, as with a reduced model of the flow. If the sizes of
+    the errors differ by no more than this, neither method counts as nearer.
     """
     if errors["vci"] is None or errors["rc"] is None:
         return {"nearer": None, "nearer_by": None}
     advantage_vci = abs(errors["rc"]) - abs(errors["vci"])
-    nearer = METHOD_NAMES["vci" if advantage_vci > 0.0 else "rc"] if abs(advantage_vci) > noise else UNDECIDED
+    nearer = METHOD_NAMES["vci" if advantage_vci > 0.0 else "rc"]
+    if abs(advantage_vci) <= noise:
+        nearer = UNDECIDED if math.isfinite(noise) else UNKNOWN
     return {"nearer": nearer, "nearer_by": abs(advantage_vci)}

@@ -125,6 +125,16 @@ def _(folder):
     return solve(folder, '{"schema": "vci-boundary-1", "inlet_pressure_pa": NaN}')
 
 
+@input_case("a boundary.json of an earlier version with a given inflow")
+def _(folder):
+    document = {"schema": "vci-boundary-1", "map_pa": 12000, "venous_pressure_pa": 660, "density_kg_per_m3": 1060}
+    outlet = {"name": "outlet1", "region_id": 2, "branch": "main", "flow_m3_per_s": 1e-6}
+    outlet["resistance_pa_s_per_m3"] = (12000 - 660) / outlet["flow_m3_per_s"]
+    probe = {"name": "distal", "branch": "main", "point_mm": [0, 0, 10]}
+    document |= {"viscosity_pa_s": 0.0035, "outlets": [outlet], "probes": [probe], "inlet_flow_m3_per_s": 1e-6}
+    return solve(folder, json.dumps(document))
+
+
 @input_case("a lumen for the mesh that is not there")
 def _(folder):
     line = anatomy(folder / "anatomy").parent / "centreline.vtp"

@@ -2,6 +2,7 @@
 
 from reports.figures.style import SHORT_LABELS
 from reports.inputs.case_files import TRUE_STATES
+from reports.measuring.stent_edges import RUPTURE_STRETCH
 from reports.page.verdict.words import ffr_computed, significant
 from reports.selection.patients import LOW_FFR_AFTER
 
@@ -21,6 +22,7 @@ def warning_groups(contexts):
         "flow with artificial viscosity": lambda context: ", ".join(SHORT_LABELS[one] for one in context["modified"]),
         f"expansion index below {LEAST_EXPANSION:g}": expansion_detail,
         f"malapposition beyond {LARGEST_MALAPPOSITION_MM:g} mm": malapposition_detail,
+        f"wall stretched beyond {RUPTURE_STRETCH:g} at a stent's edge": edge_detail,
         f"FFR after PCI below {LOW_FFR_AFTER:.2f}": low_ffr_detail,
     }
     groups = []
@@ -36,7 +38,8 @@ def no_warning_text():
     """That no warning of `warning_groups` applies, with what was looked for."""
     return (
         f"None: each FFR is within the flow's tolerance, no expansion index is below {LEAST_EXPANSION:g}, no"
-        f" malapposition beyond {LARGEST_MALAPPOSITION_MM:g} mm, no FFR after PCI below {LOW_FFR_AFTER:.2f}."
+        f" malapposition beyond {LARGEST_MALAPPOSITION_MM:g} mm, no wall stretched beyond {RUPTURE_STRETCH:g} at a"
+        f" stent's edge, no FFR after PCI below {LOW_FFR_AFTER:.2f}."
     )
 
 
@@ -58,6 +61,12 @@ def malapposition_detail(context):
     """The largest gap between stent and wall of a case as text; empty if it is small or not known."""
     gap = (context["deployment"] or {}).get("maximal_malapposition_mm") or 0.0
     return f"{gap:.2f} mm" if gap > LARGEST_MALAPPOSITION_MM else ""
+
+
+def edge_detail(context):
+    """The largest stretch of the wall at an edge of a case's stents, if it is beyond the limit; else empty."""
+    beyond = [row["largest_stretch"] for row in context["stent_edges"] if row["beyond_limit"]]
+    return f"{max(beyond):.2f}" if beyond else ""
 
 
 def low_ffr_detail(context):

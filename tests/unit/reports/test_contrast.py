@@ -2,7 +2,7 @@
 
 import pytest
 
-from reports.study.contrast import UNDECIDED, contrast_table
+from reports.study.contrast import UNDECIDED, UNKNOWN, contrast_table
 
 
 def state(ffr, area, error=0.002):
@@ -35,7 +35,7 @@ def test_errors_have_signs_and_the_smaller_size_is_nearer():
     assert table.loc[("b", "mean_area"), "truth"] == "post" and table["error_rc_stent"].notna().sum() == 5
 
 
-@pytest.mark.parametrize("error, nearer", [(0.0099, "VCI"), (0.011, UNDECIDED), (None, UNDECIDED)])
+@pytest.mark.parametrize("error, nearer", [(0.0099, "VCI"), (0.011, UNDECIDED), (None, UNKNOWN)])
 def test_ffr_is_decided_beyond_the_flows_own_error_only(error, nearer):
     table = contrast_table([document("a", vci=state(0.88, 7.2, error=error))]).set_index("quantity")
     assert table.loc["ffr", "nearer"] == nearer

@@ -36,6 +36,7 @@ def patient(name, states, kind="synthetic", measured=None, expansion=0.8, gap=0.
         "flow": flow,
         "modified": list(modified),
         "deployment": {"stents": [{"expansion_index": expansion}], "maximal_malapposition_mm": gap},
+        "stent_edges": [{"largest_stretch": 1.2, "beyond_limit": False}],
     }
 
 
@@ -228,6 +229,7 @@ def test_an_ffr_before_pci_that_is_not_known_is_said():
 def test_what_puts_a_result_in_doubt_is_named_with_its_patients():
     low = with_truth("low", 1, vci=-0.105, expansion=0.57, gap=0.46, tolerance_met=False, modified=["pre"])
     low["flow"]["pre"]["error"] = None
+    low["stent_edges"] += [{"largest_stretch": stretch, "beyond_limit": True} for stretch in (1.52, 1.61)]
     edge = with_truth("edge", 1, after=0.905, expansion=LEAST_EXPANSION, gap=LARGEST_MALAPPOSITION_MM)
     line = lines_of(low, edge)["Warnings"]
     found = {one["what"]: {case["name"]: case["detail"] for case in one["cases"]} for one in line["warnings"]}
@@ -238,6 +240,7 @@ def test_what_puts_a_result_in_doubt_is_named_with_its_patients():
         "flow with artificial viscosity": {"low": "before"},
         "expansion index below 0.6": {"low": "0.57"},
         "malapposition beyond 0.4 mm": {"low": "0.46 mm"},
+        "wall stretched beyond 1.5 at a stent's edge": {"low": "1.61"},
         "FFR after PCI below 0.90": {"low": "VCI 0.82, reference 0.93"},
     }
 
@@ -260,7 +263,7 @@ def test_a_long_list_of_patients_is_cut_and_counted():
 def test_what_was_not_deployed_or_has_no_stent_is_not_warned_of():
     balloon, none = with_truth("balloon", 1), with_truth("none", 1)
     balloon["deployment"] = {"stents": [{"expansion_index": None}], "maximal_malapposition_mm": None}
-    none["deployment"] = None
+    none["deployment"], none["stent_edges"] = None, []
     assert lines_of(balloon, none)["Warnings"]["warnings"] == []
 
 
