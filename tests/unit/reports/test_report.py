@@ -277,9 +277,10 @@ def test_benchmarks_that_were_run_are_shown(study, tmp_path):
 
 
 def test_every_benchmark_has_its_title_and_every_title_its_benchmark(repo_root):
-    rules = (repo_root / "workflow" / "rules" / "benchmarks.smk").read_text()
+    files = sorted((repo_root / "workflow" / "rules").glob("*benchmarks.smk"))
+    rules = "\n".join(file.read_text() for file in files)
     outputs = re.findall(r"\n    output:\n((?:        .*\n)+)", rules)
-    shown = [re.findall(r'"results/benchmarks/(\w+)/[\w.]+\.(?:csv|png|svg)"', files) for files in outputs]
+    shown = [re.findall(r'"results/benchmarks/(\w+)/[\w.]+\.(?:csv|png|svg)"', output) for output in outputs]
     assert len(shown) == len(re.findall(r"^rule (?!benchmarks:)", rules, re.M)) and all(shown)
     assert {name for names in shown for name in names} == set(TITLES)
 
