@@ -62,10 +62,15 @@ double open_by_balloon(System& system, const Stent& stent, const StentSpec& spec
   std::vector<double> radii;
   for (double share : grid.start_ratio)
     radii.push_back(std::min(0.5 * balloon_spec.crimped_diameter * share, 0.45 * spec.crimped_diameter - clearance));
+  const double pressure =
+      BalloonChart(balloon_spec.chart_pressure_bar, balloon_spec.chart_diameter, balloon_spec.crimped_diameter)
+          .pressure_at(balloon_spec.nominal_diameter) *
+      mpa_per_bar;
+  balloon_spec.chart_pressure_bar =
+      pressures_without_stent(spec, std::move(balloon_spec.chart_pressure_bar), balloon_spec.chart_diameter);
   Balloon balloon = add_balloon(system, balloon_spec, grid, straight_frames(grid), radii);
   Interactions interactions;
   interactions.contacts.emplace_back(balloon.body, stent.body, numerics.contact);
-  const double pressure = balloon.chart->pressure_at(balloon_spec.nominal_diameter);
   double residual = 0;
   for (double share : {opening_pressure_share, 1.0}) {
     set_pressure(balloon, share * pressure);

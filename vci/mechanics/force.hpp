@@ -27,6 +27,12 @@ public:
   }
   /// Makes plastic flow at x permanent.
   virtual void commit(const Vectors& x) { (void)x; }
+  /// Whether the displacements dx (mm) turn back a plastic flow that the stiffness took to go on, beyond the elastic
+  /// strain. The next call of evaluate() then gives the elastic stiffness.
+  virtual bool stop_reversed_flow(const Vectors& x, const Vectors& dx) {
+    (void)x, (void)dx;
+    return false;
+  }
 };
 
 /// Where the matrix stores the 3x3 blocks of an element of N vertices (its stencil). The matrix stores only its upper

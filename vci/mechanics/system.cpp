@@ -73,4 +73,11 @@ void System::commit() {
     e.force->commit(x);
 }
 
+bool System::stop_reversed_flow(const Vectors& dx) {
+  bool stopped = false;
+  for (const BodyForce& e : forces_)
+    stopped |= e.force->stop_reversed_flow(x, dx);
+  return stopped;
+}
+
 } // namespace vci

@@ -42,6 +42,8 @@ public:
   void evaluate(Vectors& elastic, Vectors& foundation, Vectors& pressure, bool with_stiffness);
   /// Makes the plastic flow of all forces at the current positions permanent.
   void commit();
+  /// Whether the displacements dx (mm) turn plastic flow back, see Force::stop_reversed_flow().
+  bool stop_reversed_flow(const Vectors& dx);
   /// Adds rate (1/ms) times the forces' damping to the matrix.
   void add_damping(double rate);
 

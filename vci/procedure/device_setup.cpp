@@ -48,12 +48,22 @@ double place_stent(RunState& run, const Placement& p, const Vectors& moved) {
   return *std::min_element(radii.begin(), radii.end());
 }
 
+/// The balloon of a placed device. The chart of a delivery balloon holds with the stent on it, so the balloon alone is
+/// softer.
+BalloonSpec balloon_alone(const Scene& scene, const std::string& device) {
+  BalloonSpec balloon = scene.balloon(device);
+  if (const auto& stent = scene.stent(device))
+    balloon.chart_pressure_bar =
+        pressures_without_stent(*stent, std::move(balloon.chart_pressure_bar), balloon.chart_diameter);
+  return balloon;
+}
+
 /// The layouts of a step's balloons, delivery balloons included. Two balloons are moved apart, to lie side by side.
 std::vector<DeviceLayout> balloon_layouts(const RunState& run, const Step& step, const Vectors& moved) {
   std::vector<DeviceLayout> layouts;
   double widest = 0;
   for (const Placement& p : step.devices) {
-    const BalloonSpec& balloon = run.scene.balloon(p.device);
+    const BalloonSpec balloon = balloon_alone(run.scene, p.device);
     layouts.push_back(layout_of(run, p, balloon_grid(balloon, run.scene.numerics.device_edge), moved));
     widest = std::max(widest, balloon.crimped_diameter);
   }
@@ -95,7 +105,7 @@ void place_devices(RunState& run, const Step& step) {
       r = std::max(least_balloon_radius, std::min(r, stent_radius_share * stent_radius - start_clearance));
   }
   for (std::size_t k = 0; k < layouts.size(); ++k)
-    place_balloon(run, run.scene.balloon(step.devices[k].device), layouts[k], radii[k], std::move(scopes[k]));
+    place_balloon(run, balloon_alone(run.scene, step.devices[k].device), layouts[k], radii[k], std::move(scopes[k]));
 }
 
 void remove_balloons(RunState& run) {

@@ -236,7 +236,7 @@ private:
   /// long is not taken, because its plastic strain would stay. Returns the displacement (mm) that one vertex in a
   /// hundred exceeds.
   double solve() {
-    for (bool freshly_assembled = true;; freshly_assembled = false) {
+    for (bool freshly_assembled = true;;) {
       inertia_.replace_terms(h_, freshly_assembled, system_.matrix());
       load_.resize(forces_.total.size());
       for (int i = 0; i < system_.vertices(); ++i)
@@ -244,6 +244,12 @@ private:
       result_.cg_iterations +=
           solve_pcg(system_.matrix(), stencils_, system_.fixed, load_, dx_, pcg_, &preconditioner_).iterations;
       ++result_.steps;
+      freshly_assembled = result_.steps < s_.maximal_steps && system_.stop_reversed_flow(dx_);
+      if (freshly_assembled) { // the matrix took a plastic flow to go on that turns back
+        assemble(system_, interactions_, forces_);
+        gather_stencils();
+        continue;
+      }
       const double large_displacement = displacement_percentile(dx_);
       if (large_displacement <= displacement_limit() || h_ <= smallest_step || result_.steps == s_.maximal_steps)
         return large_displacement;

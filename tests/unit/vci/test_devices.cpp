@@ -4,6 +4,7 @@
 #include "vci/devices/balloon/balloon.hpp"
 #include "vci/devices/stent/stent.hpp"
 #include "vci/results/strut_pattern.hpp"
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <stdexcept>
@@ -65,6 +66,22 @@ TEST(Struts, AreClosedTubesOfTheirThicknessAboutTheirAxes) {
   EXPECT_NEAR(std::abs(six_volumes) / 6, hexagon * length, 0.03 * hexagon * length);
   for (std::size_t v = axes; v < struts.points.size(); ++v)
     EXPECT_NEAR(std::hypot(struts.points[v][0], struts.points[v][1]), 1.5, 0.15); // the grid's sides are chords
+}
+
+TEST(DeliveryBalloon, IsSofterThanItsChartByTheStent) {
+  const StentSpec stent{3.0, 12, 1.0, 4.4, 0.08, 8, 2, "b", {}, 0.5, 20, 0.22, 4.5};
+  EXPECT_NEAR(opening_pressure_mpa(stent, 3.0), 0.22, 1e-12) << "the radial strength at the nominal diameter";
+  EXPECT_NEAR(opening_pressure_mpa(stent, 1.0), 0.44 * 3 * 0.22, 1e-12) << "Laplace: less tension, smaller radius";
+  const std::vector<double> alone = pressures_without_stent(stent, {2, 11, 16}, {2.9, 3.0, 3.14});
+  EXPECT_NEAR(alone[1], 11 - 2.2, 1e-9);
+  EXPECT_GT(alone[0], 0) << "a chart with a pressure that cannot open the stent";
+  EXPECT_TRUE(std::is_sorted(alone.begin(), alone.end()));
+}
+
+TEST(BalloonChart, IsUnfoldedAtABarOrHalfTheFirstPressure) {
+  EXPECT_NEAR(BalloonChart({0.2, 0.6}, {2.8, 3.0}, 0.9).pressure_at(2.75), 0.1, 1e-12);
+  EXPECT_NEAR(BalloonChart({0.6, 1.0}, {2.8, 3.0}, 0.9).pressure_at(2.55), 0.1, 1e-12);
+  EXPECT_NEAR(BalloonChart({0.1, 0.5}, {2.8, 3.0}, 0.9).pressure_at(2.775), 0.05, 1e-12);
 }
 
 TEST(BalloonChart, InterpolatesAndInverts) {

@@ -101,6 +101,23 @@ TEST(RingHoops, KeepsItsSizeAfterYield) {
   EXPECT_LT(force_at(force, smaller).norm(), 0.05 * tension);
 }
 
+TEST(RingHoops, FlowThatTurnsBackFarIsElastic) {
+  Vectors x = circle(1.0, 0);
+  RingHoops force({{all_vertices(), 5.0, 0.03, 0.01, perimeter(x) / 1.1}});
+  const auto radial = [&](double share) {
+    Vectors dx;
+    for (const Vec3& p : x)
+      dx.push_back(share * p);
+    return dx;
+  };
+  EXPECT_FALSE(force.stop_reversed_flow(x, radial(-0.1))) << "nothing flowed yet";
+  force.commit(x); // yields, so the next stiffness is that of flow
+  EXPECT_FALSE(force.stop_reversed_flow(x, radial(0.1))) << "flow goes on";
+  EXPECT_FALSE(force.stop_reversed_flow(x, radial(-0.02))) << "elastic unloading";
+  EXPECT_TRUE(force.stop_reversed_flow(x, radial(-0.1)));
+  EXPECT_FALSE(force.stop_reversed_flow(x, radial(-0.1))) << "the stiffness is elastic by now";
+}
+
 TEST(RingEvenness, ForceIsTheEnergysGradientAndAnEvenRingIsFree) {
   RingEvenness force({{all_vertices(), 0.3}});
   check_gradient(force, circle(1.0, 0.15));

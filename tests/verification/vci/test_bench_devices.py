@@ -1,6 +1,7 @@
-"""The shipped stents on the bench: free recoil and radial strength by `vci crush`."""
+"""The shipped stents on the bench: free recoil and radial strength by `vci crush`, and opening in air."""
 
 import csv
+import itertools
 import json
 import subprocess
 
@@ -8,6 +9,7 @@ import pytest
 
 from anatomy.planning import catalogue
 from common.documents import config
+from vci.benchmarks import published, scenes
 
 STRENGTH_MPA = (0.20, 0.25)  # at losses of 5 and 10 % of the diameter, beyond the struts' yield
 RECOIL_ABOVE_PERCENT = (-0.1, 0.3)  # of the one stated: film and hinges give back a little more than the hoop
@@ -48,3 +50,19 @@ def test_shipped_stents_recoil_and_crush_as_stated(binary, repo_root, tmp_path, 
         above = float(rows[1]["recoil_percent"]) - families[name]["recoil_percent"]
         assert RECOIL_ABOVE_PERCENT[0] <= above <= RECOIL_ABOVE_PERCENT[1], name
         assert float(rows[1]["residual"]) <= 3e-3
+
+
+def test_a_stent_in_air_opens_between_two_and_four_bar_and_follows_its_chart(binary, repo_root, tmp_path):
+    """The chart of a delivery system holds with the stent on the balloon. Below it the stent stays crimped."""
+    families = config.load_devices(repo_root / "config" / "devices")
+    tube = scenes.Tube(30.0, 2.5, 0.0, edge=0.8)
+    middle = {}
+    for bar in (2, 3, 4, 5, 8, 11, 16):
+        folder = binary("vci").parent
+        _, diameters = published.stent_diameters(tmp_path / str(bar), folder, families, tube, bar)
+        middle[bar] = diameters[len(diameters) // 2]
+    assert all(wider > narrower - 0.02 for narrower, wider in itertools.pairwise(middle.values()))  # mm
+    assert middle[2] < 1.1 and middle[4] > 2.5
+    percent = dict(zip(*families["des_balloon"]["chart"].values()))
+    for bar in (5, 11, 16):
+        assert middle[bar] == pytest.approx(3.0 * percent[bar] / 100, rel=0.01), bar

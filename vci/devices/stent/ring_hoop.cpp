@@ -93,6 +93,25 @@ void RingHoops::commit(const Vectors& x) {
   }
 }
 
+bool RingHoops::stop_reversed_flow(const Vectors& x, const Vectors& dx) {
+  bool stopped = false;
+  for (Ring& r : rings_) {
+    if (r.flow_sign == 0)
+      continue;
+    double change = 0;
+    for (std::size_t k = 0; k < r.vertices.size(); ++k) {
+      const int i = r.vertices[k], j = r.vertices[(k + 1) % r.vertices.size()];
+      change += (dx[j] - dx[i]).dot(x[j] - x[i]) / (x[j] - x[i]).norm();
+    }
+    // less than the elastic strain does no harm, and another solve costs as much as a step
+    if (r.flow_sign * change < -r.yield_strain * r.rest_length) {
+      r.flow_sign = 0;
+      stopped = true;
+    }
+  }
+  return stopped;
+}
+
 int RingHoops::count_yielding(const Vectors& x) const {
   int count = 0;
   for (const Ring& r : rings_)

@@ -26,6 +26,7 @@ public:
   void declare_stencils(BlockPattern& pattern) const override;
   void locate_blocks(const BlockMatrix& matrix) override;
   void commit(const Vectors& x) override;
+  bool stop_reversed_flow(const Vectors& x, const Vectors& dx) override;
   /// Number of rings that yield at positions x.
   int count_yielding(const Vectors& x) const;
 

@@ -8,6 +8,14 @@ namespace vci {
 /// The rings of a stent, about `edge_mm` apart.
 RingGrid stent_grid(const StentSpec& spec, double edge_mm);
 
+/// Pressure (MPa) inside a free ring of the stent at which it opens further at this diameter (mm), by Laplace's law.
+double opening_pressure_mpa(const StentSpec& spec, double diameter);
+
+/// Pressures (bar) that open a delivery balloon alone to the diameters (mm) of its chart. Makers measure the chart of a
+/// delivery system with the stent on the balloon, so the stent's opening pressure is subtracted.
+std::vector<double> pressures_without_stent(const StentSpec& spec, std::vector<double> pressure_bar,
+                                            const std::vector<double>& diameter);
+
 /// A stent in the system.
 struct Stent {
   int body; ///< number in the system
