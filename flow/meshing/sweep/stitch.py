@@ -28,10 +28,13 @@ class StitchError(Exception):
 def replaced_facets(surface, side, spans):
     """Which facets (m,) bool of the surface the spans replace. side: `surface.edges()[1]`; spans: [hybrid.SpanCut].
 
-    They are all facets that are connected with those of a span's wall points, up to the planes of its ends.
+    They are all facets that are connected with those of a span's wall points, up to the planes of its ends. Where such
+    a plane grazes the wall of the parent, no facet clear of it stops the cut, and the cut runs on along this wall to
+    other spans. Raises StitchError with the ends of such spans, which have to move.
     """
     replaced = np.zeros(len(surface.triangles), bool)
     pairs = facets_at_edges(side)
+    runaway = []
     for span in spans:
         barrier = np.zeros(len(replaced), bool)
         for end in span.ends:
@@ -41,7 +44,13 @@ def replaced_facets(surface, side, spans):
         graph = coo_matrix((np.ones(len(open_pairs)), open_pairs.T), (len(replaced),) * 2)
         _, label = connected_components(graph, directed=False)
         seeds = span.wall_facets[~barrier[span.wall_facets]]
-        replaced |= np.isin(label, np.unique(label[seeds])) & ~barrier
+        cut = np.isin(label, np.unique(label[seeds])) & ~barrier
+        others = np.concatenate([other.wall_facets for other in spans if other is not span] or [seeds[:0]])
+        if cut[others].any():
+            runaway += [end.key for end in span.ends]
+        replaced |= cut
+    if runaway:
+        raise StitchError("a cut runs on beyond the end's plane", runaway)
     return replaced
 
 
@@ -161,7 +170,8 @@ def build_strips(points, normals, kept, ends):
     if borders is None:
         raise StitchError("a loop touches itself", keys)
     centres = np.array([points[loop].mean(axis=0) for loop in borders])
-    nearest = [int(np.argmin(np.linalg.norm(centres - end.centre, axis=1))) for end in ends]
+    # there is no loop at all where the cuts took all of the wall (see replaced_facets)
+    nearest = [int(np.argmin(np.linalg.norm(centres - end.centre, axis=1))) for end in ends if borders]
     shared = [key for key, loop in zip(keys, nearest) if nearest.count(loop) > 1]
     if shared or len(borders) != len(ends):
         raise StitchError(f"{len(borders)} loops for {len(ends)} ends", shared or keys)

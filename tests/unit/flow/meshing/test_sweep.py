@@ -233,6 +233,32 @@ def test_spans_keep_clear_of_a_side_branch():
     assert axis.cap_ids == (1, 2) and spans.branch_axes(surface, tree)["side1"].cap_ids == (None, 3)
 
 
+def test_ends_move_where_the_cuts_of_two_side_branches_leave_no_wall():
+    """The parent is wider than its centreline says, as an oval lumen is, so that the planes of the side branches' ends
+    graze its wall. Each cut would run on along this wall to the other one.
+    """
+    surface, branches = tubes.branched(1.5, 24.0, [(8.0, 0.6, 8.0, 70.0, 0.0), (16.0, 0.6, 8.0, 70.0, 180.0)], 0.4)
+    branches[0].radius_mm *= 0.85
+    tree = centreline.Tree(branches)
+    quadratic, report = mesh.build(surface, tree, 2.0, UNEXTENDED_SETTINGS, rings=2, coarsening=2.0)
+    swept = report["swept"]
+    assert len(swept["spans"]) == 5 and "a cut runs on" in swept["moved"][0] and "reason" not in swept
+    _assert_conforming(quadratic)
+    assert _volume(quadratic) == pytest.approx(surface.volume_mm3(), rel=0.03)
+    assert report["quality"]["gamma_min"] > 0.05 and report["quality"]["jacobian_ratio_min"] > 0.05
+
+
+@pytest.mark.parametrize("left", ["nothing", "all"])
+def test_wall_without_a_border_cannot_be_stitched(left):
+    """No facet is left, or no facet was replaced: neither has a loop that the spans' ends could be joined to."""
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    closed = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    ends = [stitch.SpanEnd((n, 0), points[n], np.eye(3)[n], 1.0, np.arange(3)) for n in range(2)]
+    with pytest.raises(stitch.StitchError, match="0 loops for 2 ends") as caught:
+        stitch.build_strips(points, points, closed[: len(closed) * (left == "all")], ends)
+    assert caught.value.ends == [(0, 0), (1, 0)]
+
+
 def test_zipper_joins_two_rings():
     angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
     lower = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
