@@ -6,7 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from common.errors import InputError
+from common.implicit.cut import reach_of_cut
 from common.implicit.curves import SAMPLE_MM, Curve, curve_from_curvatures
+from common.implicit.field import open_ends
 from common.plaque_types import FIBROUS
 
 from . import healthy_radius, disease
@@ -167,19 +169,21 @@ def _branch_with_lesions(name, parent, s_parent, axis, healthy, lesions, rng):
     return Branch(name, parent, s_parent, shifted, radius, resampled(healthy), shift_new, moved)
 
 
-SHARP_BEND, SELF_CONTACT, BRANCH_CONTACT = "sharp", "itself", "others"
+SHARP_BEND, SELF_CONTACT, BRANCH_CONTACT, END_CONTACT = "sharp", "itself", "others", "end"
 REMEDY = {
     SHARP_BEND: "less eccentricity, a longer or milder lesion, or less curvature",
     SELF_CONTACT: "another seed, less curvature, or a shorter vessel",
     BRANCH_CONTACT: "another seed, other azimuths, less curvature, or shorter side branches",
+    END_CONTACT: "another seed, other azimuths, less curvature, or longer or shorter side branches",
 }
 
 
 def _first_conflict(branches):
     """(reason, name of the branch) of the first conflict; None if there is none.
 
-    The reason is one of three. SHARP_BEND: a bend whose radius is less than 1.25 lumen radii. SELF_CONTACT,
-    BRANCH_CONTACT: a branch comes near itself or, away from the roots, near another branch.
+    The reason is one of four. SHARP_BEND: a bend whose radius is less than 1.25 lumen radii. SELF_CONTACT,
+    BRANCH_CONTACT: a branch comes near itself or, away from the roots, near another branch. END_CONTACT: a branch
+    passes close before an open end.
     """
     for branch in branches:
         axis, radius = branch.axis, branch.radius_mm
@@ -194,7 +198,27 @@ def _first_conflict(branches):
             _walls_too_close(branch, other) for other in branches if other is not branch and other.name >= branch.name
         ):
             return BRANCH_CONTACT, branch.name
+    for branch in branches:
+        if _passes_before_an_end(branch, branches):
+            return END_CONTACT, branch.name
     return None
+
+
+def _passes_before_an_end(branch, branches):
+    """Whether the wall of `branch` lies where the surface is cut away at an open end of one of `branches`.
+
+    The vessel runs straight on beyond an end until the cut. A wall in its way would merge with it and be cut open.
+    """
+    axis, every = branch.axis, slice(None, None, 3)
+    theta = np.linspace(0, 2 * np.pi, 24, endpoint=False)[:, None, None]
+    ray = np.cos(theta) * axis.normals[every] + np.sin(theta) * axis.binormals[every]
+    wall = (axis.points_mm[every] + branch.radius_mm[every, None] * ray).reshape(-1, 3)
+    for _, centre, normal, radius in open_ends(branches):
+        height, reached = reach_of_cut(wall, centre, normal, radius)
+        # The rim of the end itself lies in the plane.
+        if np.any(reached & (height > 0.01)):
+            return True
+    return False
 
 
 def _walls_too_close(branch, other):
@@ -242,6 +266,7 @@ def grow(vessel, where="vessel"):
     descriptions = {
         SHARP_BEND: f"{name} bends more sharply than its lumen is wide",
         SELF_CONTACT: f"{name} meets itself",
+        END_CONTACT: f"{name} passes close before an open end",
     }
     raise InputError(
         f"no tree clear of itself in {MOST_DRAWS} draws",

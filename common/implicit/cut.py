@@ -14,10 +14,7 @@ def cut_at_end(field, points, triangles, centre, normal, radius):
     it. Removing whole triangles left a saw-tooth edge, and the strips between that edge and a new rim intersected
     themselves. Only the surface near the end is cut, since the whole plane would cut other branches too.
     """
-    offset = points - centre
-    height = offset @ normal
-    across = np.linalg.norm(offset - height[:, None] * normal, axis=1)
-    local = (np.linalg.norm(offset, axis=1) < 3.5 * radius + 1) & (across < 1.6 * radius)
+    height, local = reach_of_cut(points, centre, normal, radius)
     edges = _edges(triangles)
     edges = edges[local[edges].all(axis=1)]
     snapped = _vertices_near_plane(edges, height)
@@ -31,6 +28,14 @@ def cut_at_end(field, points, triangles, centre, normal, radius):
     points = np.concatenate([points, _project_to_rim(field, middle, centre, normal)])
     height = np.concatenate([np.where(local, height, -np.inf), np.zeros(len(crossed))])
     return points, _triangles_below(points, triangles, height, crossed)
+
+
+def reach_of_cut(points, centre, normal, radius):
+    """(height (n,) mm over the plane of an end, whether the cut there reaches so far (n,) bool) of points (n, 3) mm."""
+    offset = points - centre
+    height = offset @ normal
+    across = np.linalg.norm(offset - height[:, None] * normal, axis=1)
+    return height, (np.linalg.norm(offset, axis=1) < 3.5 * radius + 1) & (across < 1.6 * radius)
 
 
 def _edges(triangles):

@@ -2,9 +2,13 @@
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator, RegularGridInterpolator
+from scipy.spatial.distance import cdist
 
 FADE_DISTANCE_MM = 8.0  # distance from the lumen at which the displacement of points outside has fallen to 0
 CAP_FADE_MM = 2.0  # distance over which the displacement falls to 0 towards a cap of the vessel
+MEAN_FROM_MM = 0.3  # farther from the lumen than this, a displacement is a mean over several sections
+MEAN_WIDTH, MEAN_STEP_MM = 0.7, 0.2  # width of its weights per distance from the lumen; spacing of its sections
+LARGEST_EXPONENT, POINTS_AT_ONCE = 8.0, 2000  # sections of less weight than exp(-8) are left out; bounds the memory
 GRID_SPACING_MM, GRID_ANGLES = 0.1, 180  # grid of a span's displacement: spacing along the axis, intervals round it
 
 
@@ -101,25 +105,81 @@ def move_points(points_mm, branch, lumen, axis_s_mm, axis_shift_mm, fixed_ends):
     CAP_FADE_MM.
     """
     axis = branch.axis
+    shift = CubicSpline(axis_s_mm, axis_shift_mm)
     s = axis.nearest(points_mm)
-    along = np.clip(s, 0, axis.length_mm)
-    offset = points_mm - axis.point(along)
-    _, normal, binormal = axis.frame(along)
+    moved_by = _displacement_from(points_mm, np.clip(s, 0, axis.length_mm), branch, lumen, shift)
+    far, mean = _mean_displacement(points_mm, branch, lumen, shift)
+    moved_by[far] = mean
+    kept = ((s > 0) & (s < axis.length_mm)).astype(float)
+    for centre, radius in fixed_ends:
+        kept = kept * (1 - smooth_fall((np.linalg.norm(points_mm - centre, axis=1) - 1.05 * radius) / CAP_FADE_MM))
+    return points_mm + kept[:, None] * moved_by
+
+
+def _displacement_from(points_mm, s_mm, branch, lumen, shift):
+    """Displacement (n, 3) in mm of points as the section at s_mm (n,) of the branch gives it.
+
+    shift: spline of the axis's displacement by straightening.
+    """
+    axis = branch.axis
+    offset = points_mm - axis.point(s_mm)
+    tangent, normal, binormal = axis.frame(s_mm)
     a, b = np.sum(offset * normal, axis=1), np.sum(offset * binormal, axis=1)
-    theta, rho = np.arctan2(b, a), np.hypot(a, b)
-    r = branch.radius(along)
-    inside = (s > 0) & (s < axis.length_mm)
-    u = lumen.in_plane(along, theta)
+    theta, rho = np.arctan2(b, a), np.linalg.norm(offset, axis=1)
+    r = branch.radius(s_mm)
+    u = lumen.in_plane(s_mm, theta)
     outwards = np.cos(theta) * u[:, 0] + np.sin(theta) * u[:, 1]
     opened = r + outwards
     gap = np.maximum(rho - r, 0)
     tissue = np.sqrt(np.maximum((r + gap) ** 2 + opened**2 - r**2, 1e-12)) - (r + gap)
     share = np.where(np.abs(outwards) > 1e-9, tissue / np.where(np.abs(outwards) > 1e-9, outwards, 1), 1.0)
-    fade = smooth_fall(gap / FADE_DISTANCE_MM) * inside
-    for centre, radius in fixed_ends:
-        fade = fade * (1 - smooth_fall((np.linalg.norm(points_mm - centre, axis=1) - 1.05 * radius) / CAP_FADE_MM))
-    w = np.stack([np.interp(along, axis_s_mm, axis_shift_mm[:, k]) for k in range(3)], axis=1)
     local = (share * u[:, 0])[:, None] * normal + (share * u[:, 1])[:, None] * binormal
     # Inside the lumen (points of a cap's disc) the displacement scales with the distance from the axis.
-    core = np.clip(rho / np.maximum(r, 1e-9), 0, 1)[:, None]
-    return points_mm + fade[:, None] * (core * local + w)
+    local *= np.clip(rho / np.maximum(r, 1e-9), 0, 1)[:, None]
+    arm = offset + local
+    arm *= np.minimum(1, opened / np.maximum(np.linalg.norm(arm, axis=1), 1e-9))[:, None]
+    turned = _turn_with_axis(arm, tangent, shift(s_mm, 1)) - arm
+    return smooth_fall(gap / FADE_DISTANCE_MM)[:, None] * (local + shift(s_mm) + turned)
+
+
+def _turn_with_axis(vectors, tangent, slope):
+    """Vectors (n, 3) fixed to sections of a beam, after the beam's displacement of the given slope (n, 3).
+
+    A slender beam's sections stay perpendicular to its axis (Euler and Bernoulli). Sections that only shifted sideways
+    would be cut obliquely by the moved axis. Their lumen would be too narrow, and would fold in a sharp bend.
+    """
+    new = tangent + slope
+    new /= np.linalg.norm(new, axis=1, keepdims=True)
+    turn, cosine = np.cross(tangent, new), np.sum(tangent * new, axis=1, keepdims=True)
+    across = np.cross(turn, vectors)
+    return vectors + across + np.cross(turn, across) / (1 + cosine)
+
+
+def _mean_displacement(points_mm, branch, lumen, shift):
+    """(far (n,) bool, displacement (m, 3) in mm of the far points), means over sections of the branch.
+
+    Far are points away from the lumen by MEAN_FROM_MM to FADE_DISTANCE_MM. Inside a bend the nearest place on the axis
+    jumps from one limb to the other, and with it the displacement: a side branch there would be torn or folded. A
+    point feels a length of the vessel of about its distance, so the mean is over sections with the weights
+    exp(-(d^2 - d0^2) / (2 w^2)). d is the distance from the axis there, d0 the least, w MEAN_WIDTH times the distance
+    from the lumen.
+    """
+    axis = branch.axis
+    s = np.linspace(0, axis.length_mm, int(axis.length_mm / MEAN_STEP_MM) + 2)
+    place, r = axis.point(s), branch.radius(s)
+    far, means = np.zeros(len(points_mm), bool), [np.zeros((0, 3))]
+    for start in range(0, len(points_mm), POINTS_AT_ONCE):
+        part = points_mm[start : start + POINTS_AT_ONCE]
+        distance = cdist(part, place)
+        gap = (distance - r).min(axis=1)
+        chosen = (gap > MEAN_FROM_MM) & (gap < FADE_DISTANCE_MM)
+        far[start : start + POINTS_AT_ONCE] = chosen
+        distance = distance[chosen]
+        width = MEAN_WIDTH * gap[chosen][:, None]
+        exponent = (distance**2 - distance.min(axis=1, keepdims=True) ** 2) / (2 * width**2)
+        row, column = np.nonzero(exponent < LARGEST_EXPONENT)
+        weight = np.exp(-exponent[row, column])
+        single = _displacement_from(part[chosen][row], s[column], branch, lumen, shift)
+        total = np.bincount(row, weight)
+        means.append(np.stack([np.bincount(row, weight * single[:, k]) / total for k in range(3)], axis=1))
+    return far, np.concatenate(means)

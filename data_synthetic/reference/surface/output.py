@@ -21,12 +21,13 @@ def check_not_folded(triangles, before, after):
     a, b = _normals(before, triangles), _normals(after, triangles)
     cosine = np.sum(a * b, axis=1) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-30)
     # A lesion's shoulders turn by up to 45 degrees when the lesion is opened; a triangle that turns over is a fold.
-    folded = int(np.sum(cosine < 0))
-    if folded > 1e-3 * len(triangles):
+    folded = np.flatnonzero(cosine < 0)
+    if len(folded) > 1e-3 * len(triangles):
+        place = np.round(before[triangles[folded[np.argmin(cosine[folded])]]].mean(axis=0), 2).tolist()
         raise ComputationError(
             "the moved lumen is folded",
             "reference lumen",
-            f"{folded} of {len(triangles)} triangles",
+            f"{len(folded)} of {len(triangles)} triangles turned over, the most near {place} mm",
             "move devices off the bend",
         )
 

@@ -7,6 +7,12 @@ import numpy as np
 from common.errors import InputError
 
 MPA_PER_BAR = 0.1
+# Hoop tension that opens a crimped stent, over that at the nominal diameter. Struts open by plastic bending at their
+# ends: the tension is 2 M / (l cos a), with M the plastic moment, l a strut's length and a its angle to the axis. For
+# 16 struts of 1 mm cos a falls from 0.98 to 0.81. M grows with the flow stress of L605: from its yield stress of
+# 476 MPa to about 890 MPa at a strain of 0.17, on the line to its true strength of 1449 MPa at 0.4.
+CRIMPED_TENSION_SHARE = 0.44
+LEAST_BALLOON_SHARE = 0.2  # of the inflation pressure is left for the wall where it does not open the stent
 
 
 @dataclass(frozen=True)
@@ -37,9 +43,9 @@ class Balloon:
 
 @dataclass(frozen=True)
 class Stent:
-    """A stent after deflation of its balloon. It holds recoil_share of the radius that was reached.
+    """A stent. After deflation of its balloon it holds recoil_share of the radius that was reached.
 
-    cap_mpa: its radial strength, the largest pressure on the wall.
+    cap_mpa: its radial strength, the largest pressure on the wall. It opens from the crimped to the nominal radius.
     """
 
     name: str
@@ -48,6 +54,18 @@ class Stent:
     recoil_share: float
     cap_mpa: float
     bending_n_mm2: float
+    nominal_radius_mm: float
+    crimped_radius_mm: float
+
+    def opening_pressure_mpa(self, radius_mm):
+        """Pressure inside the stent at which its rings yield and open further, by Laplace's law.
+
+        Their tension grows with the logarithm of the radius. At the nominal radius the pressure is the radial strength.
+        """
+        radius = max(radius_mm, self.crimped_radius_mm)
+        opened = np.log(radius / self.crimped_radius_mm) / np.log(self.nominal_radius_mm / self.crimped_radius_mm)
+        tension = CRIMPED_TENSION_SHARE + (1 - CRIMPED_TENSION_SHARE) * opened
+        return self.cap_mpa * tension * self.nominal_radius_mm / radius
 
     def covers(self, s_mm):
         """Whether the stent covers arc length s_mm, a number or an array."""
@@ -66,6 +84,20 @@ class Step:
     action: str
     balloon: Balloon
     stent: Stent
+
+    def free_radius(self, radius_mm, opened):
+        """Radius (mm) of the balloon's section in air. radius_mm: without a stent; opened: Stent round it, or None.
+
+        The chart of a delivery balloon holds with its stent. Any other balloon loses pressure to the stent.
+        """
+        if opened is None or opened is self.stent:
+            return radius_mm
+        return radius_mm - opened.opening_pressure_mpa(radius_mm) / self.balloon.stiffness_mpa_per_mm
+
+    def cap_mpa(self, radius_mm, opened):
+        """Largest pressure (MPa) on the wall at a radius in mm of the lumen: what the Stent `opened` leaves of it."""
+        cap = self.balloon.cap_mpa
+        return cap if opened is None else max(cap - opened.opening_pressure_mpa(radius_mm), LEAST_BALLOON_SHARE * cap)
 
 
 def _required(entry, key, where):
@@ -140,7 +172,16 @@ def procedure_steps(scene, where):
                 1 - 0.01 * _required(entry, "recoil_percent", key),
                 _required(entry, "radial_strength_mpa", key),
                 _required(entry, "bending_stiffness_n_mm2", key),
+                0.5 * _required(entry, "nominal_diameter_mm", key),
+                0.5 * _required(entry, "crimped_diameter_mm", key),
             )
+            if not stent.nominal_radius_mm > stent.crimped_radius_mm:
+                raise InputError(
+                    "the stent is no wider than crimped",
+                    f"{key}.nominal_diameter_mm",
+                    f"{entry['nominal_diameter_mm']} mm",
+                    f"more than the {entry['crimped_diameter_mm']} mm of the crimped stent",
+                )
             name = _required(entry, "balloon", key)
             if scene["devices"].get(name, {}).get("kind") != "balloon":
                 raise InputError("no such balloon", f"{key}.balloon", name, "list it under devices")

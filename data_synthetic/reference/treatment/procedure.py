@@ -43,24 +43,25 @@ def run_procedure(model, steps, s_mm, settings, stented, branch_name):
     stent = None
     for step in steps:
         where = f"slice at s = {s_mm:.2f} mm of {branch_name}, step {step.name}"
-        radius = float(step.balloon.radius_at(s_mm))
-        distance = np.linalg.norm(model.lumen_position(), axis=1)
-        start = max(float(distance.min()) - 0.05, 0.0)
         if step.stent and step.stent.covers(s_mm) and stented:
             stent = step.stent
+        radius = step.free_radius(float(step.balloon.radius_at(s_mm)), stent)
+        distance = np.linalg.norm(model.lumen_position(), axis=1)
+        start = max(float(distance.min()) - 0.05, 0.0)
         if radius > start:
             model.set_loads(
                 {
                     "balloon_radius": start,
                     "balloon_stiffness": step.balloon.stiffness_mpa_per_mm,
-                    "balloon_cap": step.balloon.cap_mpa,
+                    "balloon_cap": step.cap_mpa(_lumen_radius(model), stent),
                     "balloon_share": 1.0,
                 }
             )
             count = max(int(np.ceil((radius - start) / settings["radius_step_mm"])), 1)
             for value in np.linspace(start, radius, count + 1)[1:]:
-                model.advance({"balloon_radius": float(value)}, where)
-        inflated = float(np.sqrt(model.lumen_area() / np.pi))
+                cap = step.cap_mpa(_lumen_radius(model), stent)
+                model.advance({"balloon_radius": float(value), "balloon_cap": cap}, where)
+        inflated = _lumen_radius(model)
         if stent:
             # The stent is round the balloon, so it opens no further than the balloon's free radius, or than the lumen.
             held_radius = max(held_radius, stent.recoil_share * min(inflated, radius))
@@ -77,6 +78,10 @@ def run_procedure(model, steps, s_mm, settings, stented, branch_name):
             deflate(
                 model, lambda: np.linalg.norm(model.lumen_position(), axis=1).min(), settings["radius_step_mm"], where
             )
-        final = float(np.sqrt(model.lumen_area() / np.pi))
-        history.append({"step": step.name, "inflated_radius_mm": inflated, "radius_mm": final})
+        history.append({"step": step.name, "inflated_radius_mm": inflated, "radius_mm": _lumen_radius(model)})
     return history
+
+
+def _lumen_radius(model):
+    """Radius (mm) of the circle of the lumen's area."""
+    return float(np.sqrt(model.lumen_area() / np.pi))

@@ -74,8 +74,8 @@ class TreatedTube:
         )
         stent, model = None, self.model
         for step in self.steps:
-            self._inflate(model, step)
             stent = step.stent or stent
+            self._inflate(model, step, stent)
             if stent:
                 reached = np.minimum(
                     np.sqrt(self.area_profile()[1] / np.pi), step.balloon.radius_at(self.tube.station_s_mm)
@@ -90,22 +90,24 @@ class TreatedTube:
                 deflate(model, self._least_radius_mm, self.settings["radius_step_mm"], step.name)
             self._print_progress(step.name, "deflated")
 
-    def _inflate(self, model, step):
-        balloon = step.balloon
+    def _inflate(self, model, step, stent):
+        """Inflates the step's balloon, inside the Stent or None."""
+        balloon, radius = step.balloon, step.free_radius(step.balloon.radius_mm, stent)
         self._balloon_stations = np.abs(self.tube.station_s_mm - balloon.centre_s_mm) < 0.5 * balloon.length_mm
         start = max(self._least_radius_mm() - 0.05, 0.0)
-        if balloon.radius_mm <= start:
+        if radius <= start:
             return
-        law = {"balloon_stiffness": balloon.stiffness_mpa_per_mm, "balloon_cap": balloon.cap_mpa}
+        law = {"balloon_stiffness": balloon.stiffness_mpa_per_mm, "balloon_cap": step.cap_mpa(start, stent)}
         places = {
             "balloon_centre": balloon.centre_s_mm,
             "balloon_half_length": 0.5 * balloon.length_mm,
             "balloon_shoulder": balloon.shoulder_mm,
         }
         model.set_loads({"balloon_radius": start, "balloon_share": 1.0, **law, **places})
-        count = max(int(np.ceil((balloon.radius_mm - start) / self.settings["radius_step_mm"])), 1)
-        for value in np.linspace(start, balloon.radius_mm, count + 1)[1:]:
-            model.advance({"balloon_radius": float(value)}, step.name)
+        count = max(int(np.ceil((radius - start) / self.settings["radius_step_mm"])), 1)
+        for value in np.linspace(start, radius, count + 1)[1:]:
+            cap = step.cap_mpa(self._least_radius_mm(), stent)
+            model.advance({"balloon_radius": float(value), "balloon_cap": cap}, step.name)
             self._print_progress(step.name, f"balloon {value:.3f} mm")
 
     def _print_progress(self, step, what):

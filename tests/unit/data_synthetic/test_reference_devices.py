@@ -1,4 +1,5 @@
 import copy
+import dataclasses
 import json
 
 import numpy as np
@@ -21,6 +22,8 @@ STENT = {
     "recoil_percent": 4.0,
     "radial_strength_mpa": 0.2,
     "bending_stiffness_n_mm2": 20,
+    "nominal_diameter_mm": 3.0,
+    "crimped_diameter_mm": 1.0,
 }
 SCENE = {
     "devices": {"b": BALLOON, "s": STENT},
@@ -59,9 +62,29 @@ def test_a_stent_step_has_its_balloon_and_hold():
     assert step.stent.covers(12.5) and step.stent.covers(27.5) and not step.stent.covers(27.6)
 
 
+def test_a_stent_resists_its_opening():
+    _, (step,) = devices.procedure_steps(SCENE, "scene.json")
+    stent = step.stent
+    assert stent.opening_pressure_mpa(1.5) == pytest.approx(0.2)  # the radial strength at the nominal radius
+    assert stent.opening_pressure_mpa(0.5) == pytest.approx(0.44 * 0.2 * 3)
+    assert stent.opening_pressure_mpa(0.4) == stent.opening_pressure_mpa(0.5)
+    assert step.cap_mpa(1.5, None) == pytest.approx(1.1) and step.cap_mpa(1.5, stent) == pytest.approx(0.9)
+    low = dataclasses.replace(step, balloon=dataclasses.replace(step.balloon, cap_mpa=0.25))
+    assert low.cap_mpa(0.5, stent) == pytest.approx(0.05), "a pressure that cannot open the stent"
+
+
+def test_only_a_later_balloon_is_narrower_in_a_stent():
+    """The chart of the delivery balloon holds with its stent."""
+    _, (step,) = devices.procedure_steps(SCENE, "scene.json")
+    later = dataclasses.replace(step, stent=None)
+    assert step.free_radius(1.5, step.stent) == later.free_radius(1.5, None) == 1.5
+    assert later.free_radius(1.5, step.stent) == pytest.approx(1.5 - 0.2 / 10.0)
+
+
 @pytest.mark.parametrize(
     "change, message",
     [
+        (lambda s: s["devices"]["s"].update(crimped_diameter_mm=3.0), "no wider than crimped"),
         (lambda s: s["procedure"][0]["devices"].append(s["procedure"][0]["devices"][0]), "one device at a time"),
         (lambda s: s["procedure"][0]["devices"][0].update(device="x"), "no such device"),
         (lambda s: s["devices"]["s"].pop("recoil_percent"), "missing key"),

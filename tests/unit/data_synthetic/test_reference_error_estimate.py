@@ -80,7 +80,7 @@ def test_slices_are_added_where_the_area_bends_sharply(monkeypatch):
 
     monkeypatch.setattr(slices, "solve_slice", solve)
     balloon = devices.Balloon("b", 12.0, 14.0, 1.5, 1.0, 20.0, 1.2)
-    steps = [devices.Step("stent", "stent", balloon, devices.Stent("s", 6.0, 18.0, 0.955, 0.2, 20.0))]
+    steps = [devices.Step("stent", "stent", balloon, devices.Stent("s", 6.0, 18.0, 0.955, 0.2, 20.0, 1.5, 0.5))]
     axis = types.SimpleNamespace(length_mm=40.0)
     patient = types.SimpleNamespace(branch=types.SimpleNamespace(name="main", axis=axis))
     model = types.SimpleNamespace(annulus=types.SimpleNamespace(theta_rad=np.arange(4) * np.pi / 2))

@@ -16,7 +16,7 @@ from data_synthetic.reference.treatment import devices
 @pytest.fixture
 def table(branches, monkeypatch, tmp_path):
     balloon = devices.Balloon("b", 13.0, 10.0, 1.5, 1.6, 20.0, 1.2)
-    steps = [devices.Step("stent", "stent", balloon, devices.Stent("s", 8.0, 18.0, 0.955, 0.2, 20.0))]
+    steps = [devices.Step("stent", "stent", balloon, devices.Stent("s", 8.0, 18.0, 0.955, 0.2, 20.0, 1.5, 0.5))]
     patient = types.SimpleNamespace(branch=branches[0], branches=branches, wall_mm=0.7)
 
     def solve(model, patient, steps, s_mm, settings, stented):

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from common.errors import InputError
+from common.implicit.curves import Curve
 from data_synthetic import tree
 
 
@@ -55,6 +56,25 @@ def test_a_tree_that_cannot_be_clear_of_itself_is_refused(vessel):
         tree.grow(vessel(side_branches=crowd, lesions=[]), "case.yaml: vessel")
     assert caught.value.where == "case.yaml: vessel.seed"
     assert "side1 meets another branch" in str(caught.value) and "azimuths" in str(caught.value)
+
+
+@pytest.mark.parametrize("end_height_mm, conflict", [(4.5, (tree.END_CONTACT, "main")), (6.5, None)])
+def test_no_branch_passes_where_the_surface_is_cut_at_an_end(end_height_mm, conflict):
+    """A side branch that bends back and ends before the main vessel's wall: the cut at its end would open that wall."""
+
+    def branch(name, parent, points, radius_mm):
+        axis = Curve(points)
+        radius = np.full(len(axis.s_mm), radius_mm)
+        return tree.Branch(name, parent, 5.0, axis, radius, radius, np.zeros((len(radius), 3)))
+
+    x = np.linspace(0, 40, 401)
+    turn = np.linspace(0, np.pi - np.arcsin(end_height_mm / 8), 200)
+    arc = np.stack([13 - 8 * np.cos(turn), 8 * np.sin(turn), 0 * turn], axis=1)
+    branches = [
+        branch("main", "", np.stack([x, 0 * x, 0 * x], axis=1), 1.5),
+        branch("side1", "main", arc, 0.7),
+    ]
+    assert tree._first_conflict(branches) == conflict
 
 
 def test_a_lesion_that_bends_the_lumen_too_sharply_is_said_to(vessel):

@@ -114,7 +114,7 @@ def test_both_codes_take_the_tissue_of_an_elements_middle(section):
 def procedure_steps():
     predilatation = devices.Balloon("pre", 10.0, 8.0, 1.0, 1.2, 6.0, 1.0)
     delivery = devices.Balloon("des", 10.0, 10.0, 1.0, 1.5, 7.0, 1.1)
-    stent = devices.Stent("stent", 5.0, 15.0, 0.95, 0.22, 20.0)
+    stent = devices.Stent("stent", 5.0, 15.0, 0.95, 0.22, 20.0, 1.5, 0.5)
     return [
         devices.Step("predilatation", "predilatation", predilatation, None),
         devices.Step("stent", "stent", delivery, stent),

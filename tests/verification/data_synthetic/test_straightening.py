@@ -52,7 +52,7 @@ def exact(x):
 
 def beam_error(step_mm):
     """(largest error, largest displacement) in mm at a spacing of the beam's nodes."""
-    stent = devices.Stent("stent", LENGTH / 2 - HALF, LENGTH / 2 + HALF, 0.955, 0.22, DEVICE)
+    stent = devices.Stent("stent", LENGTH / 2 - HALF, LENGTH / 2 + HALF, 0.955, 0.22, DEVICE, 1.5, 0.5)
     s, w = straightening.beam_displacement(Arc(), [stent], VESSEL, FOUNDATION, step_mm)
     assert np.abs(w[:, [0, 2]]).max() < 1e-12
     right = exact(s - LENGTH / 2)
@@ -77,7 +77,9 @@ def test_straightening_converges_to_the_closed_form():
 
 def test_ends_of_a_device_may_lie_anywhere():
     """At the step of the study; nodes lie at the device's ends wherever these are."""
-    stent = devices.Stent("stent", LENGTH / 2 - HALF + 0.0617, LENGTH / 2 + HALF + 0.0617, 0.955, 0.22, DEVICE)
+    stent = devices.Stent(
+        "stent", LENGTH / 2 - HALF + 0.0617, LENGTH / 2 + HALF + 0.0617, 0.955, 0.22, DEVICE, 1.5, 0.5
+    )
     s, w = straightening.beam_displacement(Arc(), [stent], VESSEL, FOUNDATION)
     right = exact(s - LENGTH / 2 - 0.0617)
     assert np.abs(w[:, 1] - right).max() < 1e-6 * np.abs(right).max()
