@@ -78,12 +78,6 @@ TEST(DeliveryBalloon, IsSofterThanItsChartByTheStent) {
   EXPECT_TRUE(std::is_sorted(alone.begin(), alone.end()));
 }
 
-TEST(BalloonChart, IsUnfoldedAtABarOrHalfTheFirstPressure) {
-  EXPECT_NEAR(BalloonChart({0.2, 0.6}, {2.8, 3.0}, 0.9).pressure_at(2.75), 0.1, 1e-12);
-  EXPECT_NEAR(BalloonChart({0.6, 1.0}, {2.8, 3.0}, 0.9).pressure_at(2.55), 0.1, 1e-12);
-  EXPECT_NEAR(BalloonChart({0.1, 0.5}, {2.8, 3.0}, 0.9).pressure_at(2.775), 0.05, 1e-12);
-}
-
 TEST(BalloonChart, InterpolatesAndInverts) {
   const BalloonChart chart({0.2, 0.6, 1.0}, {2.8, 3.0, 3.1}, 0.9);
   EXPECT_NEAR(chart.diameter_at(0.6), 3.0, 1e-12);

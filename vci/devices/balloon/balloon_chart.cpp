@@ -7,9 +7,6 @@ namespace vci {
 
 namespace {
 
-// MPa. Folds of a thin film open by bending alone. A folded balloon of 3 mm unfolds at 0.2 bar with five wings, between
-// 0.5 and 1 bar with two, and between 1 and 3 bar with three (`vci inflate --wings`).
-constexpr double most_unfolding_pressure = 0.1;
 constexpr double buckled_stiffness_ratio = 0.02; // stiffness of a film in compression over that in tension
 
 } // namespace
@@ -18,9 +15,10 @@ BalloonChart::BalloonChart(const std::vector<double>& pressure_mpa, const std::v
                            double crimped_diameter_mm) {
   if (pressure_mpa.size() < 2 || pressure_mpa.size() != diameter_mm.size())
     throw std::invalid_argument("a balloon chart needs two points or more, as many pressures as diameters");
-  // The chart's first slope gives the diameter at the pressure at which the balloon is unfolded.
+  // The balloon is taken to be unfolded at half the first pressure, with the diameter that the chart's first slope
+  // gives there.
   const double slope = (diameter_mm[1] - diameter_mm[0]) / (pressure_mpa[1] - pressure_mpa[0]);
-  const double unfolded_pressure = std::min(most_unfolding_pressure, 0.5 * pressure_mpa[0]);
+  const double unfolded_pressure = 0.5 * pressure_mpa[0];
   pressure_ = {0.0, unfolded_pressure};
   diameter_ = {crimped_diameter_mm, diameter_mm[0] - slope * (pressure_mpa[0] - unfolded_pressure)};
   pressure_.insert(pressure_.end(), pressure_mpa.begin(), pressure_mpa.end());
