@@ -31,6 +31,8 @@ def patient(tmp_path_factory):
         "kind": "stent",
         "balloon": "delivery",
         "length_mm": 12.0,
+        "nominal_diameter_mm": 3.0,
+        "crimped_diameter_mm": 1.0,
         "recoil_percent": 4.0,
         "radial_strength_mpa": 0.2,
         "bending_stiffness_n_mm2": 20.0,
