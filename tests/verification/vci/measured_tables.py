@@ -147,7 +147,7 @@ DIGITS = {
     "worst_penetration_mm": ".3f",
     "minimal_area_mm2": ".1f",
 }
-PREFIXES = {"pressures": "pressure_"}  # cohort: how the names of its cases begin
+PREFIXES = {"contrast": "contrast_", "pressures": "pressure_"}  # cohort: how the names of its cases begin
 # quantity of contrast.csv: its heading, and the format of its errors
 CONTRAST_ERRORS = {
     "area_profile": ("rms of the area along the stent, mm2", ".2f"),
