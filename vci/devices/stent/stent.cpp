@@ -23,7 +23,8 @@ constexpr HenckyLaw stent_film{0.3, 0.3, 0.0, 0.05, 0.1};
 // struts' ends plastically. The tension is 2 M / (l cos a), with M the plastic moment of a strut, l its length and a
 // its angle to the axis. For 16 struts of 1 mm round a ring, cos a falls from 0.98 at 1 mm to 0.81 at 3 mm. M grows
 // with the flow stress of the alloy: L605 yields at 476 MPa and bears about 890 MPa at a mean strain of 0.17, by a true
-// strength of 1449 MPa at 0.4. So the ratio is 0.53 times 0.83.
+// strength of 1449 MPa at 0.4. So the ratio is 0.53 times 0.83. The figures of L605 are those usual in finite-element
+// studies of stents; no paper is at hand. A bench curve of opening pressures should replace this estimate.
 constexpr double crimped_tension_ratio = 0.44;
 // Of RingEvenness, which keeps the edges of a ring equally long: the tension in an edge of nominal length that is
 // e = 2.718 times as long as its neighbour, over the ring's yield tension.
