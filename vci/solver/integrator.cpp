@@ -1,4 +1,5 @@
 #include "vci/solver/integrator.hpp"
+#include "vci/solver/compression_limit.hpp"
 #include "vci/solver/step_relaxation.hpp"
 
 #include <algorithm>
@@ -14,7 +15,7 @@ constexpr int sticking_steps = 8;         // steps with the whole friction stiff
 constexpr double quasi_static_step = 0.5; // ms: longer steps drop the velocity, and with it the inertia of the motion
 // After `stalled_steps` / `careful_divisor` steps without progress, the steps of oscillating vertices are shortened for
 // the rest of the stage. Linear solves must then also reach this relative tolerance in the preconditioner's norm.
-constexpr int careful_divisor = 3;
+constexpr int careful_divisor = 6;
 constexpr double careful_tolerance = 0.1;
 // N, over all vertices: a smaller net force counts as balance. An unloaded wall has no applied force to compare with,
 // and rounding leaves about 1e-10 N at each vertex. A deployed wall carries newtons.
@@ -190,7 +191,7 @@ private:
     return must_give_up();
   }
 
-  /// Counts the steps without progress, and after a third of `stalled_steps` begins to damp oscillating vertices.
+  /// Counts the steps without progress, and after a sixth of `stalled_steps` begins to damp oscillating vertices.
   /// Returns true if the stage must be given up: after `stalled_steps`, or at the maximal number of steps.
   bool must_give_up() {
     if (forces_.residual < 0.9 * best_residual_) {
@@ -263,10 +264,11 @@ private:
     if (damping_ && !inertial)
       damping_->damp(dx_, last_dx_, large_displacement);
     // Only a vertex that exceeds the limit is held back, since the step is good for the others.
+    for (Vec3& d : dx_)
+      if (const double length = d.norm(); length > displacement_limit())
+        d *= displacement_limit() / length;
+    limit_compression(system_, dx_);
     for (int i = 0; i < system_.vertices(); ++i) {
-      const double length = dx_[i].norm();
-      if (length > displacement_limit())
-        dx_[i] *= displacement_limit() / length;
       system_.x[i] += dx_[i];
       system_.velocity[i] = inertial ? Vec3(dx_[i] / h_) : Vec3(Vec3::Zero());
     }

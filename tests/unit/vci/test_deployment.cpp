@@ -136,7 +136,7 @@ TEST(Deployment, StepsTakenWithCareEndInTheSameBalance) {
   const DeploymentResult usual = deploy(scene, l, axis());
   for (const StageReport& s : usual.stages)
     EXPECT_EQ(s.result.careful_from, -1) << s.step << ' ' << s.stage << ": not needed here";
-  scene.numerics.integrator.stalled_steps = 24; // care from 8 steps in vain on
+  scene.numerics.integrator.stalled_steps = 48; // care begins after 8 steps without progress
   const DeploymentResult careful = deploy(scene, l, axis());
   EXPECT_GE(careful.stages[0].result.careful_from, 8);
   EXPECT_TRUE(careful.stages.back().result.converged);
