@@ -8,8 +8,8 @@ namespace vci {
 namespace {
 
 /// The square of the smallest stretch between two states of a triangle, which are given by the same two edges (mm) in
-/// both: the smaller root l of det(after - l before) = 0, with the matrices of the edges' inner products. It is 0 if the
-/// triangle turned by more than a right angle, since on its way there it may have had no area. It is infinite for a
+/// both: the smaller root l of det(after - l before) = 0, with the matrices of the edges' inner products. It is 0 if
+/// the triangle turned by more than a right angle, since on its way there it may have had no area. It is infinite for a
 /// triangle without area at the start, which has no stretch.
 double smallest_squared_stretch(const Vec3& a, const Vec3& b, const Vec3& a_after, const Vec3& b_after) {
   const Vec3 normal = a.cross(b), normal_after = a_after.cross(b_after);
