@@ -10,10 +10,11 @@ PYTHON := /usr/bin/python3
 SNAKEMAKE := /usr/bin/snakemake
 REPORT := results/report/index.html
 FAILED := results/study/failed.json
-RUN_STUDY = $(SNAKEMAKE) --profile config/profiles/local --cores $(CORES) --config cohort=$(COHORT) $(if $(CASES),cases='$(CASES)')
+STUDY_OPTIONS = --profile config/profiles/local --cores $(CORES) --config cohort=$(COHORT) $(if $(CASES),cases='$(CASES)')
+RUN_STUDY = $(SNAKEMAKE) $(STUDY_OPTIONS)
 
 .DEFAULT_GOAL := study
-.PHONY: setup build validate study manifest verify cohort faults unlock test test-cpp test-python sanitize fuzz lint format docs clean help
+.PHONY: setup build validate study best-plans manifest verify cohort faults unlock test test-cpp test-python sanitize fuzz lint format docs clean help
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*##' Makefile | sed 's/:.*##/ -/'
@@ -43,6 +44,10 @@ study: build ## run a cohort (COHORT=nine|three|quick|contrast|pressures|hard|re
 	  fi; \
 	  [ ! -f $(REPORT) ] || echo "$(REPORT) is the page of an earlier run" >&2; exit 1; }
 	@echo "report: $(REPORT)"
+
+best-plans: build ## after `make study`: flow in three dimensions of the two best plans of each case, then the report
+	@flows=$$($(PYTHON) -m workflow best-plans) && $(SNAKEMAKE) $$flows $(STUDY_OPTIONS)
+	@$(MAKE) --no-print-directory study
 
 manifest: ## write what a finished study must give again on any machine, config/manifests/COHORT.json
 	@$(PYTHON) -m workflow manifest --out config/manifests/$(COHORT).json

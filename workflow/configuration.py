@@ -109,7 +109,7 @@ class Configuration:
     def _data_file(self, name, what, key, path):
         """The file that a path in a case's file means. For a missing file InputError says where to put it.
 
-        what: the file in words; key: of the path in the case's file. Both are for the message.
+        what: the file in words; key: key of the path in the case's file. Both are for the message.
         """
         given = pathlib.Path(path)
         file = self.data_folder / given.relative_to("data") if given.parts[0] == "data" else given

@@ -49,8 +49,8 @@ def write_failed(out, results=pathlib.Path("results"), since=0.0):
 def without_failed(cases, path):
     """The cases that have no failed step in failed.json at `path`; all cases if no path is given.
 
-    If a step of the arm at half maximum failed, only that arm is lost and the case stays. Raises InputError if the file
-    cannot be read, or if no case is left.
+    If a step of the half-maximum arm failed (workflow.half_maximum), the case loses only this arm and stays. Raises
+    InputError if the file cannot be read, or if no case is left.
     """
     if not path:
         return cases
@@ -62,7 +62,7 @@ def without_failed(cases, path):
 
 
 def cases_of_failed_arms(path):
-    """Cases of which a step of the arm at half maximum failed, by failed.json at `path`; none if no path is given.
+    """The cases in which a step of the half-maximum arm failed; none if no path is given.
 
     Raises InputError if the file cannot be read.
     """
@@ -80,7 +80,7 @@ def _read_steps(path):
 
 
 def _is_arm_step(step):
-    """Whether a failed step is one of the arm at half maximum."""
+    """Whether a failed step belongs to the half-maximum arm."""
     return step.partition("/")[0] == ARM
 
 

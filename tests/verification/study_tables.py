@@ -6,6 +6,7 @@ A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`; wher
 """
 
 import csv
+import json
 import pathlib
 import sys
 
@@ -147,6 +148,23 @@ def seconds(results):
     return markdown(["by", "name", "n", "seconds", "published"], table)
 
 
+def plans(results):
+    """Markdown: FFR of the best plans by the calibrated network and in three dimensions; None before any was solved."""
+    table = []
+    for flow in sorted(results.glob("cases/*/plans/*/flow/ffr.json")):
+        folder, solution = flow.parents[1], json.loads(flow.read_text())
+        with (folder.parent / "ranking.csv").open(newline="") as file:
+            ranked = {row["plan"]: row for row in csv.DictReader(file)}
+        row, planned, found = ranked[folder.name], ranked["planned"], solution["ffr"]
+        line = [flow.parents[3].name, row["rank"], row["plan"], row["procedure"]]
+        line += [f"{float(one['ffr']):.4f}" for one in (planned, row)] + [f"{float(row['ffr_error']):.4f}"]
+        table.append([*line, f"{found:.4f}", f"{solution['error_estimate']['ffr']:.4f}"])
+    if not table:
+        return None
+    headings = ["patient", "rank", "plan", "procedure", "FFR as planned", "FFR, network", "its error"]
+    return markdown([*headings, "FFR, 3D", "its estimate"], table)
+
+
 def cost(results):
     """Markdown: processor seconds by kind of step over all patients."""
     rows = read_rows(results, "timings")
@@ -168,7 +186,7 @@ def cost(results):
 
 
 TABLE_FUNCTIONS = {"patients": patients, "spread": spread, "agreement": agreement, "nearer": nearer, "seconds": seconds}
-TABLE_FUNCTIONS |= {"half_maximum": half_maximum, "cost": cost}
+TABLE_FUNCTIONS |= {"half_maximum": half_maximum, "cost": cost, "plans": plans}
 PAGE = Page("docs/nine-patients.md", {}, {}, TABLE_FUNCTIONS)
 
 if __name__ == "__main__":

@@ -106,12 +106,13 @@ def stented_slices(truth):
 
 
 def stenting_figures(outcome):
-    """{model: {below_chart_percent, recoil_mm, short_of_chart_mm, expansion_percent}} of one stented case.
+    """{model: {below_chart_percent, recoil_mm, short_of_chart_mm, expansion_percent, gain_mm}} of one stented case.
 
     The models are engine and truth. below_chart_percent: by how much the smallest final diameter in the stent is below
     the chart diameter of the largest balloon. recoil_mm: mean decrease of the stent's diameter since its inflation (in
     the truth, its widest). short_of_chart_mm: the delivery balloon's chart diameter minus its smallest diameter when
-    inflated. expansion_percent: smallest area in the stent over the healthy area.
+    inflated. expansion_percent: smallest area in the stent over the healthy area. gain_mm: mean increase of the lumen's
+    diameter along the stents.
     """
     plan, engine, truth = outcome.plan, outcome.engine, outcome.truth
     widest = max(
@@ -144,6 +145,11 @@ def stenting_figures(outcome):
     values["truth"]["recoil_mm"] = 2 * float(np.mean(recoils))
     values["engine"]["short_of_chart_mm"] = chart - float(inflated[np.abs(along) < half].min())
     values["truth"]["short_of_chart_mm"] = chart - 2 * min(inflated_radii)
+    areas = [(a["area_mm2"], b["area_mm2"]) for a, b in zip(engine["csa_profile"], engine["csa_profile_before"])]
+    gains = [circle_diameter(after) - circle_diameter(before) for after, before in areas if after and before]
+    values["engine"]["gain_mm"] = float(np.mean(gains))
+    gains = [circle_diameter(section["area_mm2"]) - 2 * section["radius_before_mm"] for section in slices]
+    values["truth"]["gain_mm"] = float(np.mean(gains))
     return values
 
 

@@ -54,9 +54,11 @@ def expansion(build, plan, law, first_step_ms, folder):
 
 
 def strength_row(law, expansions):
-    """A row of the table. expansions: {arc in degrees: expansions (%) at the first steps, None where refused}.
+    """A row of the table, for calcium of one `law` (values of KEYS).
 
-    change_percent is the slope by linear regression, for 180 degrees more of calcium. Empty where an arc has no run.
+    expansions: {arc of calcium in degrees: expansion (%) at each of INITIAL_STEPS_MS, None for a refused deployment}.
+    change_percent: change of the expansion for 180 degrees more of calcium, by linear regression over the arcs. It is
+    left empty if every deployment at some arc was refused.
     """
     balanced = {arc: [value for value in values if value is not None] for arc, values in expansions.items()}
     row = dict(zip(KEYS, law)) | {"refused": f"{sum(v.count(None) for v in expansions.values())}"}

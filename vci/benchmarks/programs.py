@@ -44,7 +44,7 @@ def refusal_reason(messages):
 def process_lumen(programs, surface, units, edge, out):
     """Writes the anatomy of a surface, remeshed to an edge length (mm), to the folder `out`, unless it is there.
 
-    programs: folder of the program lumen. units: of the surface. Raises ComputationError if the program fails.
+    programs: folder of the program lumen. units: unit of the surface. Raises ComputationError if the program fails.
     """
     if not (out / "lumen.vtp").is_file():
         code, messages, _ = run_program(

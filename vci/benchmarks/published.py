@@ -24,6 +24,9 @@ AZIZ = "Aziz 2007, Heart 93:1562 (499 lesions)"
 FUJINO = "Fujino 2018, doi 10.4244/EIJ-D-17-00962 (OCT, 261 patients)"
 EX_VIVO = "OCT of ten calcified hearts ex vivo, non-compliant balloon 1:1"
 SCHMIDT = "Schmidt 2017, doi 10.1515/cdbme-2017-0029 (five 3.0 mm stents)"
+YANG = "Yang 2025, doi 10.3389/fcvm.2025.1524390 (416 lesions, IVUS)"
+GAIN = "OCT before and after stenting, PMC8920319 (about 200 frames); its own finite elements give 1.43 (0.41)"
+MAXIMAL = "micro-CT of 4.0 mm stents after two 6.0 mm balloons (EuroIntervention)"
 WIESENT = "Wiesent 2019, doi 10.1371/journal.pone.0224026"
 COLUMNS = ["bench", "quantity", "unit", "published", "engine", "truth", "n", "remark", "source"]
 VESSEL_MM = 3.0  # healthy diameter of the calcified vessels
@@ -53,17 +56,17 @@ def catalogue_entry(families, family, diameter, length):
     return entry | {"nominal_diameter_mm": diameter, "length_mm": length}
 
 
-def stent_diameters(folder, build, families, tube, pressure_bar, wall=None):
+def stent_diameters(folder, build, families, tube, pressure_bar, wall=None, diameter=3.0, balloon=("des_balloon", 3.0)):
     """(places (n,), diameters (n,)) in mm along a stent that its balloon holds open in a tube.
 
-    The stent is the catalogue's, 3.0 mm wide and 18 mm long. The run may be refused at its end, because a free stent
-    touches nothing once its balloon is out.
+    The stent is the catalogue's, `diameter` mm wide and 18 mm long; balloon: family and diameter in mm. The run may be
+    refused at its end, because a free stent touches nothing once its balloon is out.
     """
     path = scenes.write_scene(folder, tube, wall=wall)
     scene = json.loads(path.read_text())
     scene["devices"] = {
-        "delivery": catalogue_entry(families, "des_balloon", 3.0, 18),
-        "stent": catalogue_entry(families, "des", 3.0, 18),
+        "delivery": catalogue_entry(families, *balloon, 18),
+        "stent": catalogue_entry(families, "des", diameter, 18),
     }
     scene["procedure"] = [scene["procedure"][1]]
     scene["procedure"][0]["devices"][0]["pressure_bar"] = pressure_bar
@@ -91,6 +94,24 @@ def free_expansion(folder, build, families):
         }
 
 
+def maximal_expansion(folder, build, families):
+    """Yields a row for a 4.0 mm stent that a 6.0 mm balloon opens in air."""
+    tube = scenes.Tube(30.0, 4.0, 0.0, edge=0.8)
+    _, diameters_mm = stent_diameters(
+        folder / "maximal", build, families, tube, 14, diameter=4.0, balloon=("non_compliant", 6.0)
+    )
+    limit = catalogue_entry(families, "des", 4.0, 18)["maximal_diameter_mm"]
+    yield {
+        "bench": "maximal expansion",
+        "quantity": "diameter of a 4.0 mm stent opened by a 6.0 mm balloon at 14 atm",
+        "unit": "mm",
+        "published": "5.4 to 6.0, balloon out",
+        "engine": f"{diameters_mm[len(diameters_mm) // 2]:.2f}, balloon in",
+        "source": MAXIMAL,
+        "remark": f"the engine warns beyond the catalogue's {limit} mm; {NO_TRUTH_REMARK}",
+    }
+
+
 def steel_ring(folder, build, families):
     """Yields rows for a stent that opens in a rigid ring of 1.20 mm: its largest diameter, reached beside the ring."""
     rigid = {"plaque": {"calcified": {"youngs_modulus_mpa": 1e5, "yield_strain": None}}}
@@ -115,7 +136,7 @@ def steel_ring(folder, build, families):
 def drawn_cohort(folder, build, count, seed):
     """Yields rows for drawn patients with proposed plans: shortfall from the chart diameter, recoil and expansion.
 
-    count: number of patients. seed: of the random numbers by which they are drawn.
+    count: number of patients. seed: seed of the random numbers by which they are drawn.
     """
     run_program([bench_cases.PYTHON, "-m", "data_synthetic", "draw", "--count", count, "--seed", seed, "--out", folder])
     outcomes = [
@@ -141,11 +162,22 @@ def drawn_cohort(folder, build, count, seed):
             "72.8 [63 to 81]",
             "ILUMIEN II, Maehara 2015 (OCT)",
         ),
+        ("gain_mm", "gain in lumen diameter along the stent", "mm", "1.52 (0.51)", GAIN),
     ):
         row = {"bench": "drawn cohort", "quantity": label, "unit": unit, "published": published, "source": source}
         for model in ("engine", "truth"):
             row[model] = mean_sd([value[model][key] for value in values])
         yield row | {"n": len(values), "remark": f"{refused} of {len(outcomes)} refused; mean (SD)"}
+    small = {m: [value[m]["expansion_percent"] < 80 for value in values] for m in ("engine", "truth")}
+    yield {
+        "bench": "drawn cohort",
+        "quantity": "patients with a smallest area below 80 % of the healthy one",
+        "unit": "%",
+        "published": "34.6",
+        "n": len(values),
+        "source": YANG,
+        "remark": "published: of the mean of both reference areas; here: of the healthy area at the same place",
+    } | {model: f"{100 * np.mean(found):.0f}" if found else "-" for model, found in small.items()}
 
 
 def mean_sd(values):
@@ -156,7 +188,7 @@ def mean_sd(values):
 def calcified_case(path, arc_deg, length_mm, steps):
     """Writes a case file and returns its path: a vessel of 3 mm with a stenosis of 65 % and calcium in its plaque.
 
-    arc_deg, length_mm: of the calcium. steps: the case's plan, as plan_step() makes its entries.
+    arc_deg, length_mm: arc and length of the calcium. steps: the case's plan, as plan_step() makes its entries.
     """
     lesion = {"centre_s_mm": 20, "length_mm": 14, "diameter_stenosis_percent": 65, "plaque": "fibrous"}
     lesion["calcium"] = {"arc_deg": arc_deg, "length_mm": length_mm}
@@ -270,6 +302,7 @@ def main(arguments=None):
         rows = [
             *steel_ring(scratch, options.build, families),
             *free_expansion(scratch, options.build, families),
+            *maximal_expansion(scratch, options.build, families),
             *drawn_cohort(scratch / "drawn", options.build, options.drawn, options.seed),
             *calcium_slopes(scratch, options.build),
             *inflated_areas(scratch, options.build),

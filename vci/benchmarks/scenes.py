@@ -183,10 +183,11 @@ def write_scene(
 ):
     """Writes the tube and a scene.json with predilatation, stents and postdilatation. Returns the path of scene.json.
 
-    size: nominal diameter of the stents over the healthy vessel's. pressures: of predilatation, stents and last step,
-    bar. shifts: place of each stent from the lesion's middle, mm. length: of the stents, mm. wall, numerics: settings
-    of the scene. kissing: if above 0, the last step is no postdilatation but inflates two balloons side by side, of
-    this share of the stents' diameter. folding: entry for predilatation and delivery balloons; None: not folded.
+    size: nominal diameter of the stents over the healthy vessel's diameter. pressures: pressures of predilatation,
+    stents and last step, bar. shifts: place of each stent from the lesion's middle, mm. length: length of the stents,
+    mm. wall, numerics: settings of the scene. kissing: if above 0, the last step is no postdilatation but inflates two
+    balloons side by side, of this share of the stents' diameter. folding: entry for predilatation and delivery
+    balloons; None: not folded.
     """
     folder.mkdir(parents=True, exist_ok=True)
     write_geometry(folder, tube)

@@ -18,8 +18,8 @@ def pareto(points):
 def draw_speed(rows, median_rows, errors, path):
     """Draws errors of the mean and the minimal area against CPU seconds, and the cost of a step per wall vertex.
 
-    rows, median_rows: of benchmark.csv and of medians.csv, whose Pareto front is drawn. errors: columns of both errors.
-    path: of the picture.
+    rows, median_rows: rows of benchmark.csv and of medians.csv; the Pareto front is that of the medians. errors:
+    columns of both errors. path: file of the picture.
     """
     figure, (*error_axes, cost) = pyplot.subplots(1, 3, figsize=(16, 4))
     for axes, key, area_name in zip(error_axes, errors, ("mean", "minimal")):
@@ -43,7 +43,7 @@ def draw_speed(rows, median_rows, errors, path):
 def draw_fronts(rows, schemes, key, path):
     """Draws errors of the mean area against CPU seconds, in a plot for each scene, with a Pareto front for each scheme.
 
-    rows: of baseline.csv. key: column of the error. path: of the picture.
+    rows: rows of baseline.csv. key: column of the error. path: file of the picture.
     """
     cases = list(dict.fromkeys(r["case"] for r in rows))
     figure, axes_grid = pyplot.subplots(1, len(cases), figsize=(5 * len(cases), 4), sharey=True, squeeze=False)

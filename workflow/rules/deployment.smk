@@ -142,7 +142,8 @@ rule reference:
         " --truth {input.truth} --settings {input.settings} --out {params.out}"
 
 
-# Radius correction by the stents alone, as in the published example, which knows no balloons but the stents' own.
+# Radius correction by the stents alone. Lyu et al. 2025 correct the radius so in their example (figure 8): no further
+# balloon widens the lumen.
 rule stent_alone:
     message:
         "{wildcards.case}: the plan's stents alone"

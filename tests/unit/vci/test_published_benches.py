@@ -50,11 +50,13 @@ def stented(tmp_path):
     ]
     area = np.pi / 4 * 2.64**2
     stent = {"minimal_stent_area_mm2": area, "expansion_index": 0.8}
-    engine = {"minimal_stent_area_mm2": area}
+    engine = {"minimal_stent_area_mm2": area, "csa_profile_before": [{"area_mm2": np.pi}, {"area_mm2": 1.0}]}
+    engine["csa_profile"] = [{"area_mm2": area}, {"area_mm2": None}]  # the second plane lies in a side branch
     engine["stents"] = [stent | {"inflated_diameter_mm": 3.1, "final_diameter_mm": 2.9}]
     steps = [{"step": "stent", "inflated_radius_mm": 1.2, "radius_mm": 1.1}]
     steps += [{"step": "post", "inflated_radius_mm": 1.5, "radius_mm": 1.4}]
-    slices = [{"stented": True, "history": steps}, {"stented": False, "history": []}]
+    narrow = {"radius_before_mm": 0.8, "area_mm2": 1.21 * area}
+    slices = [{"stented": True, "history": steps} | narrow, {"stented": False, "history": []}]
     truth = {"minimal_lumen_area_in_stent_mm2": 1.1 * area, "slices": slices}
     return CaseOutcome(tmp_path, {"devices": devices, "procedure": procedure}, engine, truth)
 
@@ -67,6 +69,8 @@ def test_distances_from_the_chart(stented):
     assert figures["engine"]["recoil_mm"] == pytest.approx(0.2) and figures["truth"]["recoil_mm"] == pytest.approx(0.2)
     assert figures["engine"]["short_of_chart_mm"] == pytest.approx(3.0 - 2.6), "the cylinder's rings, not its cones'"
     assert figures["truth"]["short_of_chart_mm"] == pytest.approx(3.0 - 2.4)
+    gains = [figures[model]["gain_mm"] for model in ("engine", "truth")]
+    assert gains == pytest.approx([2.64 - 2.0, 1.1 * 2.64 - 1.6])
 
 
 def test_slopes_are_those_of_the_runs(monkeypatch, tmp_path):
@@ -104,3 +108,22 @@ def test_a_refused_case_says_why(tmp_path, capsys):
 
 def test_mean_and_standard_deviation_as_text():
     assert published.mean_sd([10.0, 20.0]) == "15 (7.1)" and published.mean_sd([3.0]) == "-"
+
+
+def test_the_share_of_patients_below_eighty_percent(monkeypatch, tmp_path):
+    expansions = iter([70, 79, 81, 90])
+
+    def fake_figures(outcome):
+        figures = dict.fromkeys(("below_chart_percent", "short_of_chart_mm", "recoil_mm", "gain_mm"), 1.0)
+        figures["expansion_percent"] = next(expansions)
+        return {"engine": figures, "truth": figures | {"expansion_percent": 85}}
+
+    for k in range(4):
+        (tmp_path / f"patient{k}.yaml").touch()
+    monkeypatch.setattr(published, "run_program", lambda command: None)
+    outcome = CaseOutcome(tmp_path, engine={"stents": []})
+    monkeypatch.setattr(bench_cases, "run_engine_and_truth", lambda *_: outcome)
+    monkeypatch.setattr(bench_cases, "stenting_figures", fake_figures)
+    row = {row["quantity"]: row for row in published.drawn_cohort(tmp_path, tmp_path, 4, 1)}
+    found = row["patients with a smallest area below 80 % of the healthy one"]
+    assert (found["engine"], found["truth"], found["published"], found["n"]) == ("50", "0", "34.6", 4)
