@@ -22,7 +22,7 @@ from flow.solvers.solved_mesh import CONVERGED, EFFORT_EARLY_STOP, EFFORT_FULL, 
 def tolerance_met(estimate, settings):
     """Whether the estimated error at `distal` is known and at most setting ffr_tolerance.
 
-    estimate: of errors.error_estimate.estimate_error, or None.
+    estimate: result of errors.error_estimate.estimate_error, or None.
     """
     return estimate is not None and estimate["ffr"] <= settings.ffr_tolerance
 
@@ -30,7 +30,8 @@ def tolerance_met(estimate, settings):
 def tolerance_warnings(estimate, settings, names=()):
     """Warnings on each probe whose error is not known to be within ffr_tolerance.
 
-    The mesh is chosen for `distal` alone, so other probes may have larger errors. names: of all probes, `distal` first.
+    The mesh is chosen for `distal` alone, so other probes may have larger errors. names: names of all probes, `distal`
+    first.
     """
     quantity, above = "the error of FFR", f"above ffr_tolerance = {settings.ffr_tolerance:g}"
     found = []
@@ -47,9 +48,9 @@ def tolerance_warnings(estimate, settings, names=()):
 class MeshSearch:
     """The search for a flow in one lumen with an error of FFR of at most `settings.ffr_tolerance`.
 
-    document: of boundary.json; tree: geometry.centreline.Tree without extensions; predictor: reduced.coupled.Predictor.
-    Results: meshes: one record for each mesh that was solved; factorizations: made so far; start_record: whether the
-    start from another state led to a flow, None without such a start.
+    document: content of boundary.json; tree: geometry.centreline.Tree without extensions; predictor:
+    reduced.coupled.Predictor. Results: meshes: one record for each mesh that was solved; factorizations: made so far;
+    start_record: whether the start from another state led to a flow, None without such a start.
     """
 
     def __init__(self, document, settings, tree, predictor):
@@ -57,11 +58,11 @@ class MeshSearch:
         self.meshes, self.factorizations, self.start_record = [], 0, None
 
     def run(self, paths, start=None):
-        """The SolvedMesh that answers: on the coarsest mesh with an error within the tolerance, else the best one.
+        """The SolvedMesh taken as the answer: the coarsest with an error within the tolerance, else the best one.
 
         paths: mesh files, the coarsest first. start: inputs.solution.StartState, the flow of another state of the
-        vessel. The mesh with the same name as the one that answered there is solved first, from this flow. If that
-        finds no flow, all meshes are solved in the usual way. Raises ComputationError where no mesh has a flow.
+        vessel. The mesh with the name of that state's answer is solved first, from this flow. If that finds no flow,
+        all meshes are solved in the usual way. Raises ComputationError where no mesh has a flow.
         """
         answer, remaining = self.solve_from_state(paths, start), paths
         if answer:
@@ -97,11 +98,11 @@ class MeshSearch:
         return answer
 
     def solve_from_state(self, paths, start):
-        """Solves from the flow of another state, without artificial viscosity, on the mesh that answered in that state.
+        """Solves from the flow of another state, without artificial viscosity, on that state's mesh.
 
-        Returns SolvedMesh, or None. It is None if no state is given, if its answer has an artificial viscosity, or if
-        no mesh in `paths` has the name of the mesh that answered there. It is also None if Newton's method does not
-        converge from its flow.
+        Returns SolvedMesh, or None. That mesh is the one in `paths` with the name of the mesh on which the other
+        state's answer was found. The result is None if there is no such mesh, if no state is given, or if its answer
+        has an artificial viscosity. It is also None if Newton's method does not converge from its flow.
         """
         names = [pathlib.Path(path).name for path in paths]
         if start is None or start.artificial_viscosity > 0 or start.mesh_name not in names:
@@ -165,7 +166,8 @@ def _finer_is_better(finer, coarser):
     """Whether the flow on the finer mesh is the better answer (both SolvedMesh).
 
     It is if it has no artificial viscosity, or if its estimated error is not larger. Without artificial viscosity the
-    estimates are not compared, since that of the finer mesh rests on more information.
+    estimates are not compared: that of the finer mesh may be larger only because it includes the change between both
+    meshes.
     """
     return finer.status == CONVERGED or _ffr_error(finer) <= _ffr_error(coarser)
 

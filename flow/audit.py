@@ -114,10 +114,10 @@ def batch_means(values):
 def audit_document(table, unit_s, steady, tolerance):
     """Document of audit.json from the table of `march`.
 
-    unit_s: time unit; steady: FFR of the steady flow at the probes, `distal` first; tolerance: of FFR. `settled` of the
-    document: whether the half width of the mean's interval is within the tolerance. In a flow still in its start-up the
-    means of the batches are far apart, so it is not. `agrees`: whether the steady FFR is within the tolerance of every
-    value in that interval; None where the march did not settle.
+    unit_s: time unit; steady: FFR of the steady flow at the probes, `distal` first; tolerance: largest error of FFR.
+    `settled` in the document: whether the half width of the mean's interval is within the tolerance. In a flow still in
+    its start-up the means of the batches are far apart, so it is not. `agrees`: whether the steady FFR is within the
+    tolerance of every value in that interval; None where the march did not settle.
     """
     times = table["time_s"].to_numpy()
     even_times = np.linspace(0.0, times[-1], max(int(SAMPLES_PER_UNIT * times[-1] / unit_s), 2 * BATCHES) + 1)[1:]

@@ -75,7 +75,8 @@ def write_vtu(path, points, cells, fields):
 def write_all(folder, fields, table, document):
     """Writes the three output files of a solve to a folder (Path). ffr.json is the last, as a sign that all are there.
 
-    fields: arguments (points, cells, fields) of write_vtu; table: of pullback.csv; document: of ffr.json.
+    fields: arguments (points, cells, fields) of write_vtu; table: DataFrame of pullback.csv; document: content of
+    ffr.json.
     """
     write_vtu(folder / "solution.vtu", *fields)
     with replacing(folder / "pullback.csv") as partial:

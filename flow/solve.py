@@ -24,8 +24,8 @@ LARGEST_IMBALANCE = 1e-8
 def run(paths, case, folder, start=None, made_from=None):
     """Solves, writes solution.vtu, pullback.csv and ffr.json to `folder`, and returns the document of ffr.json.
 
-    paths: of the meshes, the coarsest first; case: reduced.extended.ExtendedLumen; start: inputs.solution.StartState,
-    the flow of another state, or None; made_from: {key: SHA-256} of input files, to be noted in ffr.json. Raises
+    paths: mesh files, the coarsest first; case: reduced.extended.ExtendedLumen; start: inputs.solution.StartState, the
+    flow of another state, or None; made_from: {key: SHA-256} of input files, to be noted in ffr.json. Raises
     ComputationError.
     """
     begin, begin_cpu = time.perf_counter(), _cpu_seconds()
@@ -157,7 +157,7 @@ def _mass_imbalance(outflow, inflow):
 
 
 def vtu_fields(solved, document):
-    """(points, cells, {name: values}) for output.write_vtu; document: of boundary.json."""
+    """(points, cells, {name: values}) for output.write_vtu; document: content of boundary.json."""
     points, cells = solved.space.nodes()
     velocity, pressure = solved.sampler.velocity, solved.sampler.pressure
     wall = np.zeros(len(points), bool)

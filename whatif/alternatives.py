@@ -42,8 +42,8 @@ def _case_device(use, devices):
 def all_alternatives(steps, families):
     """{name: (description, steps, "")} of every alternative plan, in a fixed order.
 
-    If an alternative is not possible, its steps are None and the last entry says why. steps: of the given plan, as
-    from `case_steps`; families: {name: device family}.
+    If an alternative is not possible, its steps are None and the last entry says why. steps: the given plan's steps, as
+    `case_steps` returns them; families: {name: device family}.
     """
     alternatives = {
         "shorter": ("stent one length shorter", lambda: _change_stent_lengths(steps, families, -1)),

@@ -30,7 +30,7 @@ class Input:
 
 
 def uncertain_inputs(patient, settings, outlets):
-    """[Input] of a patient's flow. settings: of the section `flow`; outlets: number of the vessel's outlets."""
+    """[Input] of a patient's flow. settings: section `flow` of the settings; outlets: number of outlets."""
     inputs = [Input("blood_pressure", "blood pressure", -10.0, 0.0, 10.0, "mmHg")]
     if patient.get("hyperaemic_inflow_ml_per_min") is not None:
         inputs.append(Input("flow", "measured flow", -10.0, 0.0, 10.0, "%"))

@@ -54,7 +54,7 @@ def rank_plans(case, devices_folder, states):
 def sort_by_rank(table, error):
     """The rows of ranking.csv sorted by rank, with their columns rank, ffr_error and as_good_as_best.
 
-    error: of each FFR. Two plans differ if their FFRs differ by more than both errors together.
+    error: error of each FFR. Two plans differ if their FFRs differ by more than both errors together.
     """
     table = table.assign(ffr_error=np.where(table["ffr"].notna(), error, np.nan))
     table["as_good_as_best"] = table["ffr"].max() - table["ffr"] <= 2 * error

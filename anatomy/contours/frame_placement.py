@@ -132,9 +132,9 @@ def _image_axes(one, two, turn):
 def _align_landmarks(pullback, line, points, centre, flip):
     """(shift, turn, report) from the pull-back's landmarks and their places `points` (m, 3) in space.
 
-    shift: arc length on the line plus z, in mm, which is the same for all frames. turn: of the images about the line,
-    in radians. report: {name: number} of the landmarks' disagreement. centre: function of z that gives the lumen's
-    centroids. flip: (2,) of 1 or -1, factors of the image's x and y.
+    shift: arc length on the line plus z in mm; this sum is the same for all frames. turn: angle in radians by which the
+    images are turned about the line. report: {name: number}, how far the landmarks disagree with shift and turn.
+    centre: function of z that gives the lumen's centroids. flip (2,): factors 1 or -1 of the image's x and y.
     """
     if len(points) != len(pullback.landmarks):
         value = f"{len(points)} points for {len(pullback.landmarks)} landmarks"
@@ -187,8 +187,8 @@ def _align_landmarks(pullback, line, points, centre, flip):
 def _check_landmark_distance(pullback, z, where, distance):
     """Raises InputError if a landmark is more than FARTHEST_RADII radii from the lumen's centre.
 
-    distance: (m,) of the landmarks from the centre, in mm. The radius is the median of the frames', or that at the
-    landmark's z (m,) if it is larger. where: the setting at fault, for the message.
+    distance (m,): distance of the landmarks from the centre, in mm. The radius is the median of the frames', or that at
+    the landmark's z (m,) if it is larger. where: the setting at fault, for the message.
     """
     radii = np.sqrt([rings.area_mm2(frame.lumen) / np.pi for frame in pullback.frames])
     radius = np.maximum(rings.interpolator(pullback.z_mm, radii)(z), np.median(radii))

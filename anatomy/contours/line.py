@@ -71,7 +71,7 @@ class Line:
 def read(path, units, number=None):
     """The Line of a .vtp file whose lines begin at the proximal end. Raises InputError.
 
-    units: of the file's coordinates. number: which of several lines, from 1.
+    units: unit of the file's coordinates. number: which of several lines, from 1.
     """
     poly = vtp.read(path, "a centreline in a .vtp file: lines that begin at the proximal end")
     found = vtp.lines(poly)

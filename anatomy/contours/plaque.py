@@ -30,11 +30,12 @@ def wall_distance_mm(ring, outer_wall):
 
 
 def wall_distances_mm(frames, z_mm, ring_list, path):
-    """Distance (frames, n) in mm from the lumen to the outer wall.
+    """Distance (frames, n) in mm from each point of the lumen's outline to the outer wall of its frame.
 
-    z_mm: (frames,), rising. ring_list: (frames, n, 2) of the lumen, in mm. At least one frame has a traced outer wall.
-    In frames without one the distance is to the interpolated wall (outer_wall.interpolated_outlines), and at least 0.
-    path: of the outer wall's table, for messages. Raises InputError if a lumen is not inside its traced outer wall.
+    z_mm (frames,): places of the frames, rising. ring_list (frames, n, 2): the lumen's outlines in mm. path: file of
+    the outer wall's table, named in messages. At least one frame needs a traced outer wall. A frame without one gets an
+    interpolated wall (outer_wall.interpolated_outlines). Such a wall may cross the lumen, so the distance there is at
+    least 0. Raises InputError if a lumen crosses its traced outer wall.
     """
     walls = outer_wall.interpolated_outlines(frames, z_mm, len(ring_list[0]))
     found = np.empty((len(frames), len(ring_list[0])))
@@ -50,7 +51,7 @@ def wall_distances_mm(frames, z_mm, ring_list, path):
 def check_regions(frames, paths):
     """Raises InputError if calcium or lipid lies within the lumen, or outside a traced outer wall.
 
-    paths: {calcium, lipid: path of its table}.
+    paths: {calcium, lipid: file of its table}, for messages.
     """
     for frame in frames:
         for name, several in frame.regions.items():

@@ -51,9 +51,10 @@ class Pullback:
 def read(files, units="mm", z_from="distal", z_range_mm=None, drop_frames=()):
     """The Pullback of contour tables. Raises InputError.
 
-    files: {lumen, outer_wall, calcium, lipid, branches, landmarks: path}; the lumen is required. units: of x, y, z.
-    z_from: the end at which z in the tables is smallest, `distal` or `proximal`. z_range_mm: (lowest, highest) z of the
-    used frames as in the tables, to leave out frames in a guide catheter. drop_frames: names of frames to leave out.
+    files: {lumen, outer_wall, calcium, lipid, branches, landmarks: path}; the lumen is required. units: unit of x, y,
+    z. z_from: the end at which z in the tables is smallest, `distal` or `proximal`. z_range_mm: (lowest, highest) z of
+    the used frames as in the tables, to leave out frames in a guide catheter. drop_frames: names of frames to leave
+    out.
     """
     first, last = z_range_mm or (-np.inf, np.inf)
     if not first < last:

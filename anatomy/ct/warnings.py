@@ -172,7 +172,7 @@ def _close_pairs(lines, tubes):
 def _are_far_along(first, second, k, other, radius):
     """Whether section k of the Tube `first` and section `other` of `second` are far from each other along the vessels.
 
-    radius: of section k, in mm.
+    radius: radius of section k in mm.
     """
     if first is second:
         return second.s_mm[other] - first.s_mm[k] > 4 * radius + 4

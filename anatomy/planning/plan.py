@@ -17,7 +17,7 @@ OUTER_WALL, HEALTHY_PROFILE = "outer wall", "healthy profile"  # sources of the 
 def run(case_file, anatomy_folder, devices_folder, out):
     """Writes plan.json to the path `out`. Raises InputError for a plan that the catalogue or the lumen does not allow.
 
-    anatomy_folder: made by `lumen process`. devices_folder: of the device families, config/devices.
+    anatomy_folder: output of `lumen process`. devices_folder: folder of the device families (config/devices).
     """
     case = config.load_case(case_file)
     families = config.load_devices(devices_folder)

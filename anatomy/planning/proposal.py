@@ -59,7 +59,7 @@ def requested_treatment(plan):
 def propose(summary, sections, families, where, treat=CULPRIT, least_percent=None):
     """Proposal for the lesions of a measured lumen.
 
-    summary, sections: as of lumen_results.read_summary() and read_sections(). families: {name: document} of
+    summary, sections: results of lumen_results.read_summary() and read_sections(). families: {name: document} of
     config/devices. where: the case file, for messages. With CULPRIT it treats the most severe lesion that stents of the
     catalogue fit, or if there is none the most severe that a balloon fits. With ALL it treats each lesion of
     targets.found(); if all are mild, the most severe one. Raises InputError if no lesion reaches least_percent by

@@ -88,8 +88,8 @@ class TooTapered(InputError):
 def size_stents(profile, spans, families, where):
     """[Stent] for the Spans of a row of stents, the distal one first.
 
-    profile: of the branch. Where two stents overlap the lumen is diseased, so the reference is the healthy vessel at
-    the middle of the overlap. Raises InputError for lumens that the catalogue does not fit.
+    profile: the branch's profile. Where two stents overlap the lumen is diseased, so the reference is the healthy
+    vessel at the middle of the overlap. Raises InputError for lumens that the catalogue does not fit.
     """
     joints = [_overlap_reference(profile, after, before) for before, after in zip(spans, spans[1:])]
     distal = [profile.reference_lumen_mm(spans[0].end, 1), *joints]

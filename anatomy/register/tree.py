@@ -25,9 +25,10 @@ class Line:
 
 @dataclasses.dataclass(frozen=True)
 class Tree:
-    """The axes of a lumen. branches: {name: Line}. routes: {name of a branch: Line from the inlet to the branch's end}.
+    """The axes of a lumen.
 
-    summary: anatomy.json.
+    branches: {name of a branch: its Line}. routes: {name of a branch: Line from the inlet to the branch's end}.
+    summary: content of anatomy.json.
     """
 
     branches: dict

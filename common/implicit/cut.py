@@ -10,9 +10,9 @@ RIM_PASSES = 8
 def cut_at_end(field, points, triangles, centre, normal, radius):
     """(points (n, 3) mm, triangles (m, 3)) of a wall without the part beyond the plane of one end.
 
-    centre (3,), normal (3,) outward, radius (mm): of that end. Every triangle that crosses the plane is split along
-    it. Removing whole triangles left a saw-tooth edge, and the strips between that edge and a new rim intersected
-    themselves. Only the surface near the end is cut, since the whole plane would cut other branches too.
+    centre (3,) in mm, normal (3,) outward and radius in mm describe that end. Every triangle that crosses the plane is
+    split along it. Removing whole triangles left a saw-tooth edge, and the strips between that edge and a new rim
+    intersected themselves. Only the surface near the end is cut, since the whole plane would cut other branches too.
     """
     height, local = reach_of_cut(points, centre, normal, radius)
     edges = _edges(triangles)
@@ -59,10 +59,10 @@ def _project_to_rim(field, points, centre, normal):
 
 
 def _triangles_below(points, triangles, height, crossed):
-    """Triangles (m, 3) at or below the end's plane; those that cross it are cut along it.
+    """The wall's triangles (m, 3) on the inner side of an end's plane; those that cross the plane are cut along it.
 
-    height (n + k,): of all vertices over the plane in mm; the last k are the new vertices, with height 0.
-    crossed (k, 2): the edge on which each new vertex lies.
+    height (n + k,): each vertex's signed distance in mm from the plane, positive beyond the end. The last k vertices
+    are the new ones on the plane. crossed (k, 2): the edge on which each new vertex lies.
     """
     first = len(height) - len(crossed)
     new_vertex = {(int(a), int(b)): first + index for index, (a, b) in enumerate(crossed)}

@@ -79,7 +79,7 @@ def comparison_sections(branches, spacing_mm=0.5):
 def compare_areas(true, found, sections, compared_spans=None):
     """Compares the section areas of two surfaces, each (points, triangles), at `sections`.
 
-    sections: as from `comparison_sections`.
+    sections: result of `comparison_sections`.
 
     compared_spans: {branch: (start, end)} in mm, to compare only this part of a branch.
 

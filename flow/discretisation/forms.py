@@ -15,9 +15,10 @@ from flow.physics import navier_stokes as weak, viscosity as viscosities
 class NavierStokes:
     """Residual and tangents of a state w = (u, p) on a LumenSpace, in SI units, each compiled at its first use.
 
-    state: Function on space.W; density in kg/m3; viscosity: of physics.viscosity; grad_div in Pa s; backflow: beta.
-    `artificial_viscosity` is a constant with the value eps. Another space in two or three dimensions will do if it has
-    W, mesh, facet_tags and outlet_tags; for all but `residual` it also needs the parts V and Q of W.
+    state: Function on space.W; density in kg/m3; viscosity: law of physics.viscosity; grad_div in Pa s; backflow:
+    coefficient beta of the outlet term. `artificial_viscosity` is a constant with the value eps. Another space in two
+    or three dimensions will do if it has W, mesh, facet_tags and outlet_tags; for all but `residual` it also needs the
+    parts V and Q of W.
     """
 
     def __init__(self, space, state, density, viscosity, grad_div, backflow):

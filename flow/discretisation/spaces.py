@@ -27,8 +27,8 @@ class LumenSpace:
     """A mesh in metres with its facet tags and the function spaces on it.
 
     W: velocity and pressure; V, Q: its two parts; v_map, q_map: their dofs in W. outlets: physical tags, ascending;
-    wall, inlet: velocity dofs in W on these boundaries; free: all other dofs of W. degree: of the velocity elements;
-    `nodes`, `nodal_pressure` and `corner_values` need degree 2.
+    wall, inlet: velocity dofs in W on these boundaries; free: all other dofs of W. degree: polynomial degree of the
+    velocity elements; `nodes`, `nodal_pressure` and `corner_values` need degree 2.
     """
 
     def __init__(self, mesh, facets, where="mesh", degree=2):

@@ -95,9 +95,10 @@ class FreeMatrix:
 
 
 def _share_values(blocks):
-    """(PETSc AIJ matrix with the entries of a PETSc matrix in blocks, its values (nnz,), their numbers).
+    """Converts a PETSc matrix of 3 x 3 blocks to (AIJ matrix, its values (nnz,), CSR matrix of their numbers).
 
-    The array of the values is the matrix's own. The numbers, from 1 on, are in a CSR matrix of the same pattern.
+    The array is the memory of the AIJ matrix itself, so the next conversion into this matrix fills it without a copy.
+    The CSR matrix has the same pattern. Its values number the entries from 1, by which `_pattern` traces each of them.
     """
     converted = blocks.convert("aij", PETSc.Mat())
     starts, columns, values = converted.getValuesCSR()

@@ -37,8 +37,8 @@ class EstimateBasis:
 def estimate_error(solved, document, tree, ffr_at_probes, coarser=None):
     """Error estimate of a SolvedMesh: {"ffr": at the probe `distal`, "probes": [at each probe], ...}, or None.
 
-    solved, coarser: solvers.solved_mesh.SolvedMesh; document: of boundary.json; tree: without extensions;
-    ffr_at_probes(sampler) -> FFR at the probes, `distal` first.
+    solved, coarser: solvers.solved_mesh.SolvedMesh; document: content of boundary.json; tree: centreline tree without
+    extensions; ffr_at_probes(sampler) -> FFR at the probes, `distal` first.
 
     The error by the mesh is the larger of two entries. `goal` follows from the dual-weighted residual
     (`error_of_parts`), `mesh` from Richardson's extrapolation with the flow `coarser` on a coarser mesh. It is

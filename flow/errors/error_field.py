@@ -92,7 +92,8 @@ def solve_error_field(solved, document, tree):
     """(parts (p, k + 1) of the error of FFR at the p probes, ErrorField) of a solvers.solved_mesh.SolvedMesh.
 
     The first k parts are the errors by the mesh in each stretch, the last is the effect of the artificial viscosity.
-    document: of boundary.json; tree: without extensions. Raises ComputationError where a linear solve fails.
+    document: content of boundary.json; tree: centreline tree without extensions. Raises ComputationError where a linear
+    solve fails.
     """
     problem = solved.problem
     loads = [

@@ -34,7 +34,7 @@ class Patches:
     def recover(self, degree, sources, values, targets, cell_targets, wanted):
         """Recovered values (m,) at the targets (m, 3) of the cells with the numbers `wanted`; other values are wrong.
 
-        degree: of the polynomials; sources (t, a): numbers of the nodes in each cell at which `values` (n,) are known;
+        degree: polynomial degree; sources (t, a): numbers of the nodes in each cell at which `values` (n,) are known;
         cell_targets (t, b): numbers of the targets in each cell.
         """
         one, own = np.ones((len(targets), 1)), np.arange(len(targets))  # a load and a group for each target
@@ -83,7 +83,7 @@ class Patches:
     def _equal_patches(self, patches, degree, sources, cell_targets, targets, components):
         """Yields (nodes (p, n), targets (p, m)) of patches with equal numbers of source nodes and of targets.
 
-        patches: of `_patches_touching`; degree, sources, cell_targets: as in `recover`; targets: their number;
+        patches: result of `_patches_touching`; degree, sources, cell_targets: as in `recover`; targets: their number;
         components: numbers at each target. A patch with too few nodes for the degree is enlarged by the neighbouring
         cells. LARGEST_BATCH limits how many patches are yielded at once.
         """

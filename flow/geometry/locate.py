@@ -23,7 +23,7 @@ LEAST_COORDINATE = -0.25
 class Locator:
     """Finds the cell of a mesh of curved quadratic tetrahedra in which a point lies.
 
-    nodes (n, 3): of the mesh; cells (t, 10): their numbers, in the order of geometry.tet10.
+    nodes (n, 3): the mesh's nodes; cells (t, 10): numbers of their nodes, in the order of geometry.tet10.
     """
 
     def __init__(self, nodes, cells):

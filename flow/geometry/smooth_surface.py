@@ -79,7 +79,8 @@ def edge_middles(surface, edges, side, normals=None):
 
 
 def _end_offset(d, normal):
-    """Contribution (e, 3) of one end to the offset of the middle point; d (e, 3): edges, normal (e, 3): at that end."""
+    """Offset (e, 3) of the edges' middle points due to one end. d (e, 3): the edges; normal (e, 3): normals at that
+    end."""
     rise = np.einsum("ij,ij->i", d, normal)
     square = np.maximum(np.einsum("ij,ij->i", d, d), 1e-300)
     cosine = np.sqrt(np.maximum(0.0, 1.0 - rise**2 / square))

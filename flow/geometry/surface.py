@@ -65,7 +65,7 @@ class Surface:
 
 
 def facets_at_edges(side):
-    """Numbers (e, 2) of the two triangles at each edge of a closed surface; side (m, 3): of `Surface.edges`."""
+    """Numbers (e, 2) of the two triangles at each edge of a closed surface. side (m, 3): from `Surface.edges`."""
     return np.argsort(side.ravel(), kind="stable").reshape(-1, 2) // 3
 
 

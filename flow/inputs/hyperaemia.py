@@ -63,8 +63,9 @@ def flow_of_heart(patient):
 def flow_source(patient, hyperaemia_fraction):
     """{flow_m3_per_s, territory, share, by}: the flow into the tree and how it was found.
 
-    patient: section `patient` of a case file; hyperaemia_fraction: of the published law. share: of the whole heart's
-    flow, None for the published law and a measured inflow; by: in words. Raises InputError.
+    patient: section `patient` of a case file; hyperaemia_fraction: constant of the published law. share: share of the
+    whole heart's flow, None for the published law and a measured inflow; by: how the flow was found, in words. Raises
+    InputError.
     """
     territory = patient.get("territory", WHOLE_FLOW)
     given = patient.get("hyperaemic_inflow_ml_per_min")
@@ -140,7 +141,7 @@ def _high_inflow_warnings(patient):
 
 
 def _source_entry(flow, territory, share, by):
-    """The dictionary that `flow_source` returns; flow in m3/s; share: of the whole heart's flow."""
+    """The dictionary that `flow_source` returns; flow in m3/s; share: share of the whole heart's flow."""
     return {"flow_m3_per_s": flow, "territory": territory, "share": share, "by": by}
 
 

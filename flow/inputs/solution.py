@@ -20,7 +20,7 @@ LARGEST_VELOCITY_FACTOR = 2.0  # limit of the factor by which a velocity is chan
 class StartState:
     """A solved state of the vessel: the locate.FieldSampler of its flow at points in mm, and the inflow in m3/s.
 
-    artificial_viscosity: its eps; mesh_name: name of the mesh file that answered; to_other_lumen:
+    artificial_viscosity: its eps; mesh_name: name of the mesh file of that flow; to_other_lumen:
     geometry.correspondence.Correspondence from the lumen to be solved to that of this state.
     """
 

@@ -38,7 +38,7 @@ def ffr_warnings(measured):
 def upstream_warnings(place, anatomy):
     """[warning] if no lesion starts between the inlet and the sensor, whose reading then says nothing of the lesions.
 
-    place: as from `sensor_probe`; anatomy: document of anatomy.json.
+    place: result of `sensor_probe`; anatomy: document of anatomy.json.
     """
     lesions, branches = anatomy.get("lesions", []), {b["name"]: b for b in anatomy.get("branches", [])}
     name, s_mm = place["branch"], place["s_mm"]

@@ -29,8 +29,8 @@ MILD_NARROWING, STRONG_NARROWING = 0.6, 0.4
 class Extension:
     """A straight tube at the cap `region_id` of the branch named `branch`, length_mm long.
 
-    direction: unit vector (3,) out of the lumen; distance_mm: from the cap to the end of the narrowing (outlet) or its
-    start (inlet), or None if setting outlet_extension_diameters gives the length.
+    direction: unit vector (3,) out of the lumen; distance_mm: distance from the cap to the end of the narrowing
+    (outlet) or its start (inlet), or None if setting outlet_extension_diameters gives the length.
     """
 
     region_id: int

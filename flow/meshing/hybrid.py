@@ -52,8 +52,9 @@ class NoSpans(Exception):
 def build(surface, tree, sizes, settings, rings, coarsening=1.0):
     """LinearMesh of a Surface with its Tree.
 
-    sizes: size_field.SizeField of the junctions; rings: of the swept disc; coarsening: factor of the distance between
-    stations. Raises NoSpans if no span is found, or if after MOST_TRIES attempts a junction still cannot be filled.
+    sizes: size_field.SizeField of the junctions; rings: number of rings of the swept disc; coarsening: factor of the
+    distance between stations. Raises NoSpans if no span is found, or if after MOST_TRIES attempts a junction still
+    cannot be filled.
     """
     slicer = section.Slicer(surface)
     disc = disc_module.make(rings, settings.wall_layers)
@@ -118,7 +119,7 @@ class SpanCut:
 def _span_end(number, which, span, offset):
     """stitch.SpanEnd at the first (which = 0) or last (1) end of a span.
 
-    number: of the span; offset: number of the span's first point in the whole mesh.
+    number: the span's number; offset: number of the span's first point in the whole mesh.
     """
     rim, level, along = span.lattice.rims[which], -which, (-1, 1)[which]
     centre, outwards = span.sections.sections[level].centre, along * span.sections.normals[level]

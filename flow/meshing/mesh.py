@@ -19,8 +19,9 @@ from flow.meshing import extension, hybrid, size_field, volume_mesh
 def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0):
     """(curving.QuadraticMesh, report) of the lumen, by the first of ATTEMPTS whose cells are good enough to solve on.
 
-    cells_per_radius: of the isotropic cells; rings: of the swept discs (default: settings.rings); coarsening: factor of
-    the discs' distance. The report is a part of mesh.json. Raises ComputationError.
+    cells_per_radius: number of isotropic cells per radius; rings: number of rings of the swept discs (default:
+    settings.rings); coarsening: factor of the discs' distance. The report is a part of mesh.json. Raises
+    ComputationError.
     """
     rings = rings or settings.rings
     original, surface = surface, folds.unfold(surface)

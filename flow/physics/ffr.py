@@ -101,7 +101,7 @@ def check_inside(probes, tree, space):
 def at_probes(document, tree, sampler):
     """[{name, branch, s_mm, point_mm, shift_mm, ffr}] of the probes, moved to this state's centreline.
 
-    document: of boundary.json, whose first probe is `distal`.
+    document: content of boundary.json, whose first probe is `distal`.
     """
     found = []
     for probe in document["probes"]:
@@ -141,7 +141,7 @@ def displacement_warnings(probes, tree, table):
     """Warnings that the centreline may be another lumen's.
 
     They name probes (entries of `at_probes`) that were moved by more than WARNED_DISTANCE_RADII, and branches that
-    leave the mesh. table: that of `pullback`.
+    leave the mesh. table: result of `pullback`.
     """
     found = []
     for probe in probes:
@@ -164,7 +164,7 @@ def displacement_warnings(probes, tree, table):
 def slope_warnings(probes, table):
     """Warnings, one for each probe at which FFR rises by more than LARGEST_SLOPE_PER_MM along the vessel.
 
-    probes: entries of `at_probes`; table: that of `pullback`. FFR rises behind a narrowing until the jet has
+    probes: result of `at_probes`; table: result of `pullback`. FFR rises behind a narrowing until the jet has
     reattached, and where a side branch takes flow.
     """
     found = []

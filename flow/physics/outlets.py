@@ -15,7 +15,7 @@ def check_outlet_places(space, document, tree, where):
 
     An outlet must be nearer to that end than to the tree's other ends and its inlet. Otherwise mesh and boundary values
     number the outlets differently, and resistances would be exchanged unnoticed. space: LumenSpace on the mesh;
-    document: of boundary.json; tree: geometry.centreline.Tree with the mesh's extensions.
+    document: content of boundary.json; tree: geometry.centreline.Tree with the mesh's extensions.
     """
     ends = {f"the end of {branch.name}": branch.point(branch.length_mm) for branch in tree}
     ends["the inlet"] = tree.main.point(0.0)

@@ -41,7 +41,8 @@ class Tube:
     """Flow in a tube with the `radius` (k,) in m at the places s (k,) in m.
 
     s has an even number of intervals: every second place is the middle of a cell. leaks: [(s, length)] in m of the
-    ostium of each side branch. density in kg/m3; viscosity: of physics.viscosity; backflow: beta of the outlet term.
+    ostium of each side branch. density in kg/m3; viscosity: law of physics.viscosity; backflow: coefficient beta of the
+    outlet term.
     """
 
     def __init__(self, s, radius, leaks, density, viscosity, backflow):
@@ -227,7 +228,10 @@ class Tube:
 
 
 def _domain(s, radius, rho):
-    """Mesh of the meridian plane by quadrilaterals of nine nodes. Node (i, j) lies at x = s_i, r = rho_j R_i (m)."""
+    """Mesh of the half-plane (x, r), in m, by nine-node quadrilaterals. Node (i, j) lies at x = s_i, r = rho_j R_i.
+
+    s (k,): arc lengths in m; radius (k,): the tube's radius R there in m; rho (j,): distances from the axis over R.
+    """
     along, across = len(s) // 2, len(rho) // 2
     points = np.stack([np.repeat(s, len(rho)), np.outer(radius, rho).ravel()], axis=1)
     number = np.arange(len(points)).reshape(len(s), len(rho))

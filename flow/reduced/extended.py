@@ -95,8 +95,8 @@ class ExtendedLumen:
     """A lumen's centreline tree with the extensions (`extended_tree`) and without (`original_tree`).
 
     `network` is the 1D network without extensions. anatomy: document of anatomy.json; sections: table of
-    network.read_sections; document: of boundary.json; warnings: those of `read_report` or `read_report_if_any`. Raises
-    InputError where an extension is of another lumen.
+    network.read_sections; document: content of boundary.json; warnings: those of `read_report` or `read_report_if_any`.
+    Raises InputError where an extension is of another lumen.
     """
 
     def __init__(self, extensions, tree, anatomy, sections, document, settings, warnings=()):

@@ -55,9 +55,9 @@ def plausible_around_inflow(document, network_at, exponent):
     """Entry plausible_flows of boundary.json for a measured inflow: [{what, map_pa, resistances_pa_s_per_m3}].
 
     document: boundary values before `fit_resistances`. network_at(document) -> Network of the vessel before the
-    procedure. exponent: of the diameters in the flow split. INFLOW_VARIATIONS varies the inflow, the aortic pressure
-    and the split. The left ventricular mass is not varied, since it serves only to estimate the flow. A flow that the
-    vessel does not let pass is left out.
+    procedure. exponent: exponent of the diameters in the flow split. INFLOW_VARIATIONS varies the inflow, the aortic
+    pressure and the split. The left ventricular mass is not varied, since it serves only to estimate the flow. A flow
+    that the vessel does not let pass is left out.
     """
     found = []
     for what, factor, pressure, power in INFLOW_VARIATIONS:

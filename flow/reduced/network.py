@@ -36,7 +36,7 @@ class Segment:
     def losses(self, flow, density, viscosity, expansion_loss):
         """Static pressure at the segment's start minus that at each section, (n,) in Pa.
 
-        flow in m3/s; density in kg/m3; viscosity: of physics.viscosity; expansion_loss: K.
+        flow in m3/s; density in kg/m3; viscosity: law of physics.viscosity; expansion_loss: K.
         """
         velocity = flow / self.area
         wall_rate = 4 * abs(velocity) * np.sqrt(np.pi / self.area)
@@ -83,8 +83,8 @@ def _throat_of_each_section(area):
 class Network:
     """The 1D network of one tree.
 
-    anatomy: document of anatomy.json; sections: table of `read_sections`; document: of boundary.json; expansion_loss:
-    K. Raises InputError where anatomy, sections and outlets disagree.
+    anatomy: document of anatomy.json; sections: table of `read_sections`; document: content of boundary.json;
+    expansion_loss: K. Raises InputError where anatomy, sections and outlets disagree.
     """
 
     def __init__(self, anatomy, sections, document, expansion_loss):

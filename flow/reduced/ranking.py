@@ -79,8 +79,8 @@ def check_patient(path, answer, document):
 def plan_ffr(folder, document, settings, model):
     """{"ffr", "inlet_flow_m3_per_s", "cpu_seconds"} of one plan by the reduced model `model`.
 
-    folder: output of the anatomy step for the plan's lumen; document: of boundary.json. Raises InputError where files
-    are missing or do not belong together.
+    folder: output of the anatomy step for the plan's lumen; document: content of boundary.json. Raises InputError where
+    files are missing or do not belong together.
     """
     folder = pathlib.Path(folder)
     for name in lumen_summary.ANATOMY_STEP_FILES:
@@ -107,8 +107,8 @@ def plan_ffr(folder, document, settings, model):
 def rank(plans, document, settings, model, measured):
     """Table with COLUMNS, one row a plan, the highest FFR first.
 
-    plans: {name: folder of the anatomy step}; document: of boundary.json; measured: [(path, document of ffr.json)] of
-    this patient. Raises InputError for a plan or an ffr.json of another patient.
+    plans: {name: folder of the anatomy step}; document: content of boundary.json; measured: [(path, document of
+    ffr.json)] of this patient. Raises InputError for a plan or an ffr.json of another patient.
     """
     for path, answer in measured:
         schema.validate(json_reader.Document(path, answer), schema.read("measured_ffr"))

@@ -12,8 +12,8 @@ there. If the mesh before has reached eps = 0, a finer mesh starts from that mes
 eps = 0 from there. If it has not, the finest mesh keeps the eps of the mesh before. Both flows then belong to one
 model, and their difference shows the error of the mesh.
 
-If no flow without artificial viscosity is found, the flow of the least eps answers. The error estimate includes the
-effect of this eps on FFR (errors.error_field).
+If no flow without artificial viscosity is found, the flow with the least eps is the answer. The error estimate includes
+the effect of this eps on FFR (errors.error_field).
 """
 
 import numpy as np
@@ -151,9 +151,10 @@ def converge_fully(problem):
 
 
 def _newton_at_eps(problem, eps, relative, most_picard=0, limit=MOST_FACTORIZATIONS):
-    """Outcome of Newton's method at eps from the present state, to a residual of `relative` times the pressure load.
+    """Outcome of Newton's method from the present state with artificial viscosity eps.
 
-    most_picard: most steps of Picard's method; limit: factorizations, as newton.newton has it.
+    relative: tolerance of the residual over the pressure load; most_picard, limit: most steps of Picard's method and
+    most factorizations, as in newton.newton.
     """
     problem.forms.artificial_viscosity.value = eps
     print(f"artificial viscosity {eps:.3g}", file=problem.log, flush=True)
@@ -161,8 +162,12 @@ def _newton_at_eps(problem, eps, relative, most_picard=0, limit=MOST_FACTORIZATI
 
 
 def _secant(problem):
-    """(change of the values, of the inflow, of ln eps) for a step of length 1 along the last two flows, and the length
-    between them. After a single flow, values and inflow stay as they are and only ln eps falls."""
+    """The secant through the last two flows found, by which the next flow is predicted.
+
+    Returns (change of the dofs, of the inflow in m3/s, of ln eps, each for a step of length 1; length between the two
+    flows). VELOCITY_WEIGHT tells how lengths are measured. After a single flow there is no secant: only ln eps falls,
+    and the length is FIRST_STEP.
+    """
     if len(problem.flows_found) < 2:
         return 0.0, 0.0, -1.0, FIRST_STEP
     (eps, values, inflow), (last, last_values, last_inflow) = problem.flows_found[-2:]

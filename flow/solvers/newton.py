@@ -2,7 +2,7 @@
 
 The tangent K at the state before a step gives the correction -K^-1 F there, F being the residual. A damped step adds
 this correction times a factor of at most 1. At the new state the same factorized K gives a further correction. The
-factor is good if this second correction is smaller. The residual would mislead: its largest parts lie in the small
+factor is accepted if this second correction is smaller. The residual would mislead: its largest parts lie in the small
 cells of a throat, and often have to rise on the way to a jet's steady flow. The corrections, in m/s at the nodes, need
 not rise. A step that halves the residual is accepted whatever its correction, as in a step from a creeping flow, whose
 tangent contains no jet. The first factor tried in a step follows from how much the tangent changed over the step before
@@ -63,7 +63,7 @@ def newton_from(problem, fields, inflow, limit, picard_steps=0):
     """Outcome of Newton's method at the full flow, without artificial viscosity, from a flow that was found elsewhere.
 
     problem: nonlinear.FlowProblem; fields: (velocity (n, 3) in m/s, pressure (n,) in Pa) of that flow at the velocity
-    nodes; inflow in m3/s; limit: as `newton` has it; picard_steps: steps of Picard's method that come first.
+    nodes; inflow in m3/s; limit: as in `newton`; picard_steps: steps of Picard's method that come first.
     """
     problem.boundaries.set_full_flow()
     problem.forms.artificial_viscosity.value = 0.0
@@ -76,10 +76,10 @@ def newton_from(problem, fields, inflow, limit, picard_steps=0):
 def newton(problem, tolerance_n, limit, most_picard=0):
     """Outcome of Newton's method from the present state of a FlowProblem.
 
-    It has converged when the residual is not above `tolerance_n` in N. It ends after `limit` factorizations (twice as
-    many if the last factor was 1), or when the settings allow no more. It also ends where two factors in a row are
-    below STALLED_FACTOR. Where no factor is good, a step of Picard's method is made instead, at most `most_picard`
-    times.
+    It has converged when the residual is at most `tolerance_n` in N. It gives up after `limit` factorizations, or after
+    all that the settings allow. If the last step was undamped (factor 1), it may take twice `limit`. It also gives up
+    after two steps in a row with damping factors below STALLED_FACTOR. Where no damping factor is accepted, a step of
+    Picard's method is made instead, at most `most_picard` times.
     """
     free, inlet, norm = problem.residual()
     start, last_step, factors = problem.solver.factorizations, None, []
@@ -138,8 +138,8 @@ def _accelerate(problem, residual_after, last_move, last_step, tolerance_n):
     """Makes accelerated steps with the last factorization and returns `problem.residual()` after them.
 
     residual_after: `problem.residual()` after the DampedStep `last_step`; last_move: (state, update) before it;
-    tolerance_n: of the residual, as in `newton`. A step that raises both residual and correction is taken back, and
-    ends the iteration.
+    tolerance_n: tolerance of the residual, as in `newton`. A step that raises both residual and correction is taken
+    back, and ends the iteration.
     """
     acceleration = problem.acceleration()
     acceleration.step(*last_move)
@@ -180,7 +180,7 @@ def _first_factor(problem, last_step, update):
 
 
 def _search_factor(problem, residual_at, update, factor, norm_before):
-    """(DampedStep, `residual_at` its factor), or (None, None) where no factor of at least LEAST_FACTOR is good.
+    """(DampedStep, `residual_at` its factor), or (None, None) where no factor of at least LEAST_FACTOR is accepted.
 
     residual_at(factor): moves the state and gives `problem.residual()`; factor: the first one tried; norm_before: norm
     in N of the residual before the step.

@@ -29,8 +29,8 @@ class FlowProblem:
     The flow is `state` (Function on space.W: velocity in m/s, pressure in Pa) and `inflow` in m3/s.
 
     space: discretisation.spaces.LumenSpace, whose W is the mixed space of velocity and pressure; boundaries:
-    physics.outlets.Boundaries; document: of boundary.json; earlier_factorizations: factorizations made on other meshes,
-    which count against max_newton_iterations; log: stream for messages on progress.
+    physics.outlets.Boundaries; document: content of boundary.json; earlier_factorizations: factorizations made on other
+    meshes, which count against max_newton_iterations; log: stream for messages on progress.
     """
 
     def __init__(self, space, boundaries, document, settings, earlier_factorizations=0, log=None):

@@ -11,8 +11,8 @@ from flow.solvers import nonlinear
 
 # Effort on a mesh, eps being the factor of the artificial viscosity (solvers.continuation). EFFORT_EARLY_STOP: finer
 # meshes follow, so continuation may end at a large eps. EFFORT_FULL: every way to a flow is tried, with eps as small as
-# possible. EFFORT_GUESS_ONLY: the flow on the mesh before is the only start, since that mesh can answer if this one
-# finds no flow.
+# possible. EFFORT_GUESS_ONLY: the flow on the mesh before is the only start, since that flow is the answer if this mesh
+# has none.
 EFFORT_EARLY_STOP, EFFORT_FULL, EFFORT_GUESS_ONLY = "early stop", "full", "guess only"
 # Status of an answer. CONVERGED_WITH_VISCOSITY: an eps > 0 is left, so it is the steady flow of a modified model.
 CONVERGED, CONVERGED_WITH_VISCOSITY = STATUSES = ("converged", "converged with artificial viscosity")
@@ -53,11 +53,11 @@ def solve_mesh(
     """Solves the flow on the mesh file `path`, from `start`, else from `coarser`, else from `predictor`. Returns
     SolvedMesh.
 
-    document: of boundary.json; tree: geometry.centreline.Tree without extensions; start: inputs.solution.StartState,
-    the flow of another state of the vessel; coarser: SolvedMesh on another mesh; predictor: reduced.coupled.Predictor;
-    earlier_factorizations: factorizations made on other meshes; effort: EFFORT_EARLY_STOP, EFFORT_FULL or
-    EFFORT_GUESS_ONLY. Raises ComputationError where no flow is found, and InputError where mesh, centreline and
-    boundary values do not belong together.
+    document: content of boundary.json; tree: geometry.centreline.Tree without extensions; start:
+    inputs.solution.StartState, the flow of another state of the vessel; coarser: SolvedMesh on another mesh; predictor:
+    reduced.coupled.Predictor; earlier_factorizations: factorizations made on other meshes; effort: EFFORT_EARLY_STOP,
+    EFFORT_FULL or EFFORT_GUESS_ONLY. Raises ComputationError where no flow is found, and InputError where mesh,
+    centreline and boundary values do not belong together.
     """
     space = spaces.read(path)
     ffr.check_inside(document["probes"], tree, space)

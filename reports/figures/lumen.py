@@ -125,7 +125,7 @@ def project_triangles(surface, axes3):
 
 
 def draw_triangles(axes, projected, mask, colours, opacity):
-    """Draws the triangles of `mask` (m,), furthest first. projected: from project_triangles; colours: (m, 4).
+    """Draws the triangles of `mask` (m,), furthest first. projected: result of project_triangles; colours (m, 4): rgba.
 
     In the SVG they are pixels, since thousands of shapes would make a huge file.
     """

@@ -39,7 +39,8 @@ def stations_figure(files, metrics, folder):
 def station_marks(files, metrics, state, chosen):
     """{points (n, 3), tangents (n, 3), area_mm2 (n,), distance_mm (n,)} of some stations on a state's axis.
 
-    chosen (n,): indices of the stations. distance_mm: from the proximal end of the segment, on the vessel before PCI.
+    chosen (n,): indices of the stations. distance_mm: distance from the proximal end of the segment, along the vessel
+    before PCI.
     """
     line = read_centreline(files.anatomy(state) / "centreline.vtp", metrics["segment"]["branch"])
     entry, segment = metrics["states"][state], metrics["segment"]
@@ -56,7 +57,7 @@ def station_marks(files, metrics, state, chosen):
 def draw_sections(axes, marks, axes3, colour):
     """Draws a line across the vessel at each station; beside it the distance along the segment and the area.
 
-    marks: from `station_marks`. axes3 (3, 3): the axes of the view.
+    marks: result of `station_marks`. axes3 (3, 3): the axes of the view.
     """
     points, tangents = marks["points"] @ axes3.T, marks["tangents"] @ axes3.T
     across = np.stack([-tangents[:, 1], tangents[:, 0]], axis=1)

@@ -102,7 +102,7 @@ def has_pairs(documents, quantity, pairs):
 
 
 def draw_published(axes, source):
-    """Draws the published bias and limits of agreement behind a panel. source: of published.json, or None.
+    """Draws the published bias and limits of agreement behind a panel. source: entry of published.json, or None.
 
     They leave the axis as it is: they may be many times wider than this study's errors, which could then not be told
     apart. The limits are written too, since the band may reach beyond the axis.

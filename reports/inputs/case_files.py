@@ -6,7 +6,7 @@ import pathlib
 from common.errors import InputError
 from reports.inputs.reading import entry, number, read_json
 
-# rc: radius correction by the largest balloon. rc_stent: by the stents alone.
+# rc: radius correction by the largest balloon. rc_stent: radius correction by the stents alone.
 # ct: the lumen found in the reference's CT. ct_vci, ct_rc: predictions from the lumen found in the CT before.
 # post: the lumen found after the real procedure.
 STATES = ("pre", "vci", "rc", "rc_stent", "reference", "ct", "ct_vci", "ct_rc", "post")
@@ -100,7 +100,7 @@ class CaseFiles:
     def has_flow(self, state):
         """Whether the 3D flow of a state was solved. For `post` it was not if only areas are compared.
 
-        For the lumens of an arm it never is.
+        An arm has no 3D flow in its own lumens.
         """
         if self.arm and state in CT_STATES:
             return False
@@ -122,7 +122,7 @@ class CaseFiles:
 
     @property
     def deployed_lumen(self):
-        """The lumen that `vci deploy` wrote, with arrays on the wall. Its anatomy step makes another mesh of it."""
+        """The lumen that `vci deploy` wrote, with the engine's values at its points. The anatomy step drops them."""
         return self.folder / "vci" / "lumen.vtp"
 
     def stent_files(self):

@@ -57,8 +57,8 @@ MOST_NAMED = 5  # problems that a message names
 class Page(html.parser.HTMLParser):
     """What an HTML text refers to, and what it lacks.
 
-    references: values of the attributes REFERENCES, without data: URIs. styles: references within styles. ids: of its
-    elements. unsourced: figures and tables that no line on their data follows. policy: its content security policy.
+    references: values of the attributes REFERENCES, without data: URIs. styles: references within styles. ids: ids of
+    its elements. unsourced: figures and tables that no line on their data follows. policy: its content security policy.
     """
 
     def __init__(self, text):
@@ -165,7 +165,7 @@ def console_messages(log):
 def run_browser(path, *arguments, size="1440,900"):
     """Runs Chromium on a file with a fresh profile; returns (standard output, log). ComputationError if it fails.
 
-    size: of the window in pixels.
+    size: width and height of the window in pixels.
     """
     with tempfile.TemporaryDirectory() as profile:
         command = [BROWSER, *BROWSER_FLAGS, f"--user-data-dir={profile}", f"--window-size={size}"]

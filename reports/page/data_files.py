@@ -40,7 +40,7 @@ def write_study_data(folder, study_dir, software, failed, evidence):
 
 
 def write_case_data(folder, files, context):
-    """Writes the files of one case, named <case>_<table>.csv. files: its CaseFiles; context: of case_context."""
+    """Writes the files of one case, named <case>_<table>.csv. files: its CaseFiles; context: made by case_context."""
     metrics, deployment = context["metrics"], context["deployment"] or {}
     tables = {
         "states": state_rows(metrics),

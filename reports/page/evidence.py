@@ -45,8 +45,8 @@ def read_claims():
 def claim_row(claim, outcomes, shown):
     """A claim with the counts of its tests (OUTCOMES), in all and as `tests` [{entry, passed, failed, not_run}].
 
-    outcomes: of outcomes_by_test. shown: names of the benchmarks whose tables the report has; `benchmarks` becomes
-    [{name, title, shown}]. `validated`: whether it was compared with benches or patients.
+    outcomes: result of outcomes_by_test. shown: names of the benchmarks whose tables the report has; `benchmarks`
+    becomes [{name, title, shown}]. `validated`: whether it was compared with benches or patients.
     """
     tests = [{"entry": entry, **count_outcomes(entry, outcomes)} for entry in claim["tests"]]
     return {

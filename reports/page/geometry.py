@@ -91,8 +91,8 @@ def values_at_points(files, state, points):
 def wall_values(files, points):
     """{stretch, gap} of the lumen after virtual PCI at the nearest of its points to each of points (n, 3).
 
-    stretch (n,): the wall's largest principal stretch, nan where the wall was held. gap (n,): from the wall to the
-    stent in mm, nan where no stent faces the wall. One of which no point has a value is left out.
+    stretch (n,): the wall's largest principal stretch, nan where the wall was held. gap (n,): distance in mm from the
+    wall to the stent, nan where no stent faces the wall. A quantity without any value is left out.
     """
     path = files.deployed_lumen
     lumen = read_polydata(path, "vci deploy")

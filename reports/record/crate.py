@@ -15,9 +15,9 @@ RUN_ID, PROGRAM_ID = "#study", "#vci"
 def crate(results, cases, citation, date, cohort):
     """The document of ro-crate-metadata.json. Raises InputError if a file is missing.
 
-    results: the folder that the document describes. cases: names of the study's cases. citation: CITATION.cff.
-    date: of the sources' git revision, in ISO 8601. Hashes of the cases' files are taken from provenance.json; those of
-    the other files are computed here.
+    results: the folder that the document describes. cases: names of the study's cases. citation: path of CITATION.cff.
+    date: date of the sources' git revision, in ISO 8601. Hashes of the cases' files are taken from provenance.json;
+    those of the other files are computed here.
     """
     metadata = yaml_reader.read(citation).data
     provenance = read_json(results / "study" / "provenance.json", "workflow provenance")

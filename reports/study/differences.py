@@ -23,7 +23,7 @@ COHORT_ROW_NAME = "all cases"
 
 
 def compared_pairs(documents):
-    """(a, b, error) of the comparisons of a prediction with a lumen after PCI that at least one document has."""
+    """The COMPARISONS (a, b, error) of a predicted state a with a state b after PCI, if any patient has both states."""
     wanted = [(a, b, error) for a, b, error in COMPARISONS if a in PREDICTED and b in AFTER_PCI]
     return [one for one in wanted if any({one[0], one[1]} <= set(document["states"]) for document in documents)]
 

@@ -34,8 +34,9 @@ def nearer_table(documents):
     """DataFrame of nearer.csv: a row for each group of patients, quantity and lumen after PCI.
 
     A row needs a patient with both methods. error_vci, error_rc: mean size (absolute value) of the error over patients.
-    p: of Wilcoxon's two-sided signed-rank test of the sizes (scipy.stats.wilcoxon); None for fewer than six patients.
-    ties: patients in whom both sizes are alike; in FFR those in whom they differ by no more than the flow's own error.
+    p: p value of Wilcoxon's two-sided signed-rank test of the sizes (scipy.stats.wilcoxon); None for fewer than six
+    patients. ties: patients in whom both sizes are alike; in FFR those in whom they differ by no more than the flow's
+    own error.
     """
     rows = [{"patients": name, **row} for name, found in patient_groups(documents) for row in nearer_rows(found)]
     return pd.DataFrame(rows, columns=COLUMNS)

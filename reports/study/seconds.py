@@ -33,7 +33,7 @@ def stage_seconds(timings):
 def seconds_by_group(stages):
     """{(by, name): seconds (n,), one value for each case that has it}, in order of appearance.
 
-    by: "stage", "step" or "all"; name: of the stage or step.
+    by: "stage", "step" or "all"; name: name of the stage or step.
     """
     groups = {}
     for by in ("stage", "step"):

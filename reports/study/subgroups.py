@@ -46,7 +46,7 @@ def patient_subgroups(case):
 
 
 def subgroup_tables(patients):
-    """(agreement by subgroup, failures by step and reason) as DataFrames. patients: from patient_files."""
+    """(agreement by subgroup, failures by step and reason) as DataFrames. patients: result of patient_files."""
     groups, failures = {}, {}
     for name, (file, folder) in patients.items():
         if (folder / "metrics.json").is_file():

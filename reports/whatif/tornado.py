@@ -69,7 +69,7 @@ def interval_of_most_inputs(intervals, state, quantity):
 def draw_bars(axes, rows, interval, quantity):
     """Draws a bar for each input, from the quantity at the input's low end to that at its high end.
 
-    rows: from panel_rows; interval: from interval_of_most_inputs, shaded if it is known.
+    rows: result of panel_rows; interval: result of interval_of_most_inputs, shaded if it is known.
     """
     planned = rows["at_planned"].iloc[0]
     if interval is not None and np.isfinite(interval["lower"]):

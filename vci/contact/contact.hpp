@@ -166,9 +166,9 @@ Tie make_tie(const ContactPoint& point, const Vectors& x, double stiffness_mpa_p
 /// Adds the ties' forces at positions x (mm) to `force` (N per vertex of the system).
 void add_tie_forces(const std::vector<Tie>& ties, const Vectors& x, Vectors& force);
 void add_contact_forces(const std::vector<ContactPoint>& points, Vectors& force);
-/// Doubles the deep response of each vertex that lies deeper in a surface than `limit` (mm), up to 64 times its first
-/// value. Returns whether any was doubled. This is a penalty update: repeated after each balance, it reduces the
-/// penetration until it is below the limit.
+/// Doubles the stiffness of the second contact response (PenaltyResponse) at each vertex that lies deeper in a surface
+/// than `limit` (mm), up to 64 times its first value. Returns whether any was doubled. The solver then balances the
+/// forces again. Repeated, this penalty update reduces the penetration.
 bool stiffen_deep_contacts(const std::vector<ContactPoint>& points, double limit);
 /// Adds a step's displacements (mm) to the slips of the contact points. The next detect() shortens slips that exceed
 /// the friction limit.

@@ -16,15 +16,15 @@ struct SurfaceProjection {
 /// @param unit_normals unit normals of all vertices
 Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& unit_normals);
 
-/// Projects p (mm) along the normals onto the triangle that it met last, which saves a search among all candidates.
-/// Returns false if the projection lies outside this triangle, or 0.1 mm or more from p.
+/// Projects p (mm) along the surface's normals onto the triangle on which p lay last. If this succeeds, no search among
+/// all candidates is needed. Returns false if the projection lies outside this triangle, or 0.1 mm or more from p.
 bool follow_projection(const Vec3& p, int triangle, const System& system, const Vectors& unit_normals,
                        const Body& target, SurfaceProjection& projection);
 
-/// Projects p onto the edge of a triangle at a sharp fold. There a vertex may lie on no normal of either side. Its
-/// closest point would jump between the sides, so that a contact would find no balance. This function instead moves the
-/// projection along the normals, which lies outside the triangle, onto the triangle's edge. Returns false if that
-/// projection lies far outside the triangle, or the edge 0.1 mm or more from p.
+/// Projects p onto the edge of a triangle at a sharp fold. There the normals of neither side may lead to p. The point
+/// of the surface closest to p would jump between the sides from step to step, and the contact would not converge. So
+/// the projection along the normals, which lies outside the triangle, is moved onto the triangle's edge. Returns false
+/// if that projection lies far outside the triangle, or the edge 0.1 mm or more from p.
 bool project_onto_edge(const Vec3& p, int triangle, const System& system, const Vectors& unit_normals,
                        const Body& target, SurfaceProjection& projection);
 

@@ -253,7 +253,7 @@ rule reference_against_solid:
         code=code("data_synthetic", "data_synthetic.generate", "data_synthetic.reference.checks.against_solid"),
         script="tests/verification/data_synthetic/solid_benchmark.py",
         shared="tests/verification/data_synthetic/benchmark_case.py",
-        case="config/cases/quick_focal.yaml",
+        cases=[f"config/cases/{name}.yaml" for name in ("quick_focal", "long_plaque_bench")],
     output:
         "results/benchmarks/reference_against_solid/benchmark.csv",
     log:
@@ -266,7 +266,7 @@ rule reference_against_solid:
     params:
         out=output_folder,
     shell:
-        "workflow/run.sh {log} /usr/bin/python3 {input.script} --case {input.case} --out {params.out}"
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --cases {input.cases} --out {params.out}"
 
 
 rule reference_sensitivity:

@@ -22,9 +22,9 @@ NUMBERING_REMEDY = "number several deposits of a frame in a fifth column, named 
 def read_rows(path, units):
     """Rows (n, 5) of a text table: frame, x, y, z in mm, and the outline's number, 0 if the table has none.
 
-    path: of a table, compressed if it ends in .gz. units: of x, y, z. Columns are separated by tabs, commas, semicolons
-    or blanks. Lines that begin with # are skipped. A first line may have names, by which the columns are told
-    (columns.column_order). Raises InputError with the line that cannot be read.
+    path: file of the table, compressed if its name ends in .gz. units: unit of x, y, z. Columns are separated by tabs,
+    commas, semicolons or blanks. Lines that begin with # are skipped. A first line may have names, by which the columns
+    are told (columns.column_order). Raises InputError with the line that cannot be read.
     """
     lines = _lines(path)
     rows, names, by_name = [], None, None
@@ -63,7 +63,7 @@ def _numbers(line, where, after_points):
 
 
 def unknown_names_warning(path):
-    """A warning if the names of a table do not tell which columns are x, y and z; None if they do, or without names."""
+    """A warning if a table's column names do not tell which are x, y and z; None if they do, or if it has no names."""
     line = next((line for line in map(str.strip, _lines(path)) if line and not line.startswith("#")), "")
     if any(columns.is_number(field) for field in columns.split_fields(line)) or columns.names_coordinates(
         columns.column_names(line)

@@ -62,7 +62,7 @@ def refined_trend(profiles, tube, fallback, sigma_mm=USUAL_SIGMA_MM):
     """Trend of the CT numbers on the axis where the vessel is wide, corrected for the blur by the point spread.
 
     profiles: as sampled. tube: the lumen found. fallback: the Trend to return if the branch is narrow or short.
-    sigma_mm: of the point spread.
+    sigma_mm: standard deviation of the point spread.
     """
     radius_mm = tube.radius(profiles.s_mm)
     share = 1 - np.exp(-0.5 * (radius_mm / sigma_mm) ** 2)

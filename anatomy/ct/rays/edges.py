@@ -243,8 +243,8 @@ def find_edges(profiles, method, blood, sigma_mm=None, stented=False, rounds=4):
     """(radii (n, m) in mm, replaced (n, m) of bool) of the lumen's edge in one branch.
 
     replaced: as replace_outliers() returns it. method: how the edge is found. blood: the blood's CT number. sigma_mm:
-    of the point spread. rounds: of the iteration between edges and tissue. On rays that meet calcium near the edge,
-    blood and calcium are fitted together, with a usual point spread if sigma_mm is not given.
+    standard deviation of the point spread. rounds: number of iterations between edges and tissue. On rays that meet
+    calcium near the edge, blood and calcium are fitted together, with a usual point spread if sigma_mm is not given.
     half_maximum: the edge is at the mean of the CT number on the axis and that of the tissue beyond the edge. In a
     stent the metal counts as lumen, as in a clinical reading, so the area is too large.
     psf_edge: the edge is at the level between tissue and blood that a blurred tube as wide as the section has at its

@@ -15,7 +15,7 @@ void check_no_handle(Mesh& mesh, long most_handles = 0);
 constexpr long most_touching_rings = 4;
 
 /// Throws InputError with the wall's roughness and its roughest place if fewer than two ends were found and the wall is
-/// rough. On a wall as rough as its triangles are long no patch is flat.
+/// rough. Ends are recognised by their flat caps. Noise that tilts the triangles leaves no part flat.
 void check_ends_seen(const Mesh& mesh, const std::vector<End>& ends);
 
 /// Throws InputError with the place of a closed branch that stands out by more than 1.5 of its radii, since an outlet

@@ -83,8 +83,9 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
     throw common::InputError("the file cannot be written", path.string(), "", "check the folder and the free space");
 }
 
-// The equivalent diameter (mm) of the vessel at an end, perpendicular to the axis. The axis's direction is taken over
-// its last piece, as long as the end's radius. The cap of a slanted end is larger than the vessel's section.
+// The diameter (mm) of the circle with the area of the vessel's cross-section at an end. A slanted cap is larger than
+// this cross-section, so its area is projected onto the plane perpendicular to the axis. The axis's direction is that
+// of its piece next to the end, which is as long as the end's radius.
 double vessel_width_at(const End& end, const std::vector<Branch>& branches) {
   const Axis& axis =
       std::find_if(branches.begin(), branches.end(), [&](const Branch& one) { return one.name == end.branch; })->axis;

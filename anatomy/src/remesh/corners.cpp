@@ -278,7 +278,8 @@ struct AngleOptimiser {
     return corner;
   }
 
-  // The triangle of the smallest corner (degrees) among those that touch no cap and are not hopeless.
+  // The triangle with the smallest corner, and this corner (degrees). Triangles at a cap are left out, and those that
+  // no change has improved in this pass (`hopeless`).
   std::pair<double, Face> narrowest_triangle() const {
     std::pair<double, Face> found{180, Face()};
     for (Face f : mesh.faces())

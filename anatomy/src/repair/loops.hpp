@@ -18,8 +18,8 @@ constexpr double smallest_end = 0.15; ///< mm, least radius of an end; where a c
 /// The boundary loops of an open surface; the order is the same in every run.
 std::vector<Loop> boundary_loops(const Mesh& mesh);
 
-/// Whether the loop is the open end of a tube, and no hole in its wall. At an end the wall leaves the loop along the
-/// loop's normal, so the mean of |n_face . n_loop| over the faces at the loop is below 0.6.
+/// Whether the loop is the open end of a tube rather than a hole in its wall. Round a hole the faces lie in the loop's
+/// plane. At an end they stand across it, so the mean of |n_face . n_loop| over the faces at the loop is below 0.6.
 bool is_open_end(const Mesh& mesh, const Loop& loop);
 
 } // namespace anatomy

@@ -22,9 +22,9 @@ std::size_t farthest(const std::vector<double>& d) {
   return static_cast<std::size_t>(std::max_element(d.begin(), d.end()) - d.begin());
 }
 
-// The distance (`height`, mm along the edges) of every vertex from an extremity of the surface (`root`), and the
-// vertices by falling height. The extremity is the vertex farthest from vertex 0, or with `from_far_end` the one
-// farthest from that.
+// The vertices sorted by their distance from an extremity of the surface (`root`), the farthest first. In this order
+// tips and handles are found. `height` is the distance, mm along the edges. The extremity is the vertex farthest from
+// vertex 0. With `from_far_end` it is the opposite one, the vertex farthest from the first extremity.
 struct Sweep {
   std::size_t root = 0;
   std::vector<double> height;

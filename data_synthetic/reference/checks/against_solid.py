@@ -74,10 +74,10 @@ def area_errors(s_mm, area, reference_area, span_mm):
 
 
 def compare(scene_path, truth_path, out, meshes, settings_path=None):
-    """Writes `out`/slices_vs_3d.json: both areas along the axis, their differences, and differences between the meshes.
+    """Writes `out`/slices_vs_3d.json: the lumen's areas by slices and by the solid, and their differences.
 
-    meshes: texts for `parse_mesh`, coarse to fine; slices are compared with the last. Raises InputError,
-    ComputationError.
+    meshes: meshes of the solid as texts for `parse_mesh`, coarse to fine. The slices are compared with each, and each
+    mesh with the one before it. Raises InputError, ComputationError.
     """
     logging.disable(logging.INFO)
     parsed_meshes = [parse_mesh(text) for text in meshes]

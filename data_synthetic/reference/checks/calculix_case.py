@@ -45,7 +45,8 @@ class RecordedSlice(SliceModel):
 def mean_pressure(lumen, loads):
     """Mean pressure in MPa on a lumen: the integral of p n . x along its edge over 2 A, where A is its area.
 
-    lumen (2 around, 2): nodes of quadratic sides, in mm. loads: as of a SliceModel. For a uniform p it is p.
+    lumen (2 around, 2): nodes of quadratic sides, in mm. loads: loads of a SliceModel. Under a uniform pressure the
+    result is this pressure.
     """
     first, middle, last = lumen[0::2], lumen[1::2], np.roll(lumen[0::2], -1, axis=0)
     total, area = 0.0, 0.0
@@ -64,8 +65,9 @@ def mean_pressure(lumen, loads):
 class Section:
     """The section of a patient at arc length s_mm that both codes solve. Each element has one tissue.
 
-    theta, inner, outer (2 around,): angles in rad of the nodes' rays, radii in mm of lumen and outer edge.
-    tissues (around, through, 4) of the elements: share of plaque, 0 or 1, and the plaque's three constants.
+    `around` elements round the lumen have 2 `around` rays of nodes. theta, inner, outer (2 around,): angle in rad of
+    each ray, radii in mm of the lumen and of the outer edge there. tissues (around, through, 4): for each element 1 in
+    plaque or 0 in the wall, and the plaque's shear modulus, yield stress and hardening in MPa.
     """
 
     def __init__(self, patient, s_mm, settings):
@@ -137,8 +139,8 @@ def lumen_areas(lumens):
 def comparison_rows(recorded, forces, steps):
     """A row (dict) for each stage: the lumen's area in mm2, the same in both codes, and both mean pressures in MPa.
 
-    worth_in_area_percent: the pressures' difference, converted to one of area. recorded: from solve_by_slice.
-    forces: from solve_by_calculix.
+    worth_in_area_percent: the change of area that the difference of the pressures would make. recorded, forces: results
+    of solve_by_slice and solve_by_calculix.
     """
     rows = []
     for name, stage, index in procedure_stages(recorded, steps):

@@ -133,7 +133,7 @@ class LoadSteppedModel:
     def advance(self, target, name="load"):
         """Moves the loads to `target` (dict) in one load step, or in parts of it where Newton's method fails.
 
-        name: of the load step, for messages. Raises ComputationError if a part of 0.5**MOST_HALVINGS still fails.
+        name: name of the load step, for messages. Raises ComputationError if a part of 0.5**MOST_HALVINGS still fails.
         """
         start = self.loads()
         goal = {**start, **target}

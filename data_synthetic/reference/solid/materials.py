@@ -111,8 +111,9 @@ def biaxial_stress(stretch, plaque=None, c10_mpa=0.0, c20_mpa=0.0):
 def blend_with_calcium(base, calcium_share):
     """(shear, yield, hardening) in MPa, each (...), of a base Plaque that holds calcium.
 
-    calcium_share (...): from 0 to 1. Each constant is interpolated geometrically between base and calcified plaque. The
-    constants change gradually, since Newton's method fails at a sharp edge where stiffness changes a hundredfold.
+    calcium_share (...): share of calcium, 0 to 1. Each constant is interpolated geometrically between base and
+    calcified plaque. The constants change gradually, since Newton's method fails at a sharp edge where stiffness
+    changes a hundredfold.
     """
     share = np.asarray(calcium_share, float)
 

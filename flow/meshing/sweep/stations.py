@@ -58,7 +58,7 @@ def place_stations(branch, settings, start_mm, end_mm, coarsening=1.0):
 def spread_by_gap(start_mm, end_mm, gap_mm, least):
     """Arc lengths (k,) in mm from start_mm to end_mm inclusive, with at least `least` gaps between them.
 
-    gap_mm(s (n,)) -> (n,): wanted gap in mm at s.
+    gap_mm: function of arc lengths (n,) in mm that gives the wanted gap (n,) in mm at each.
     """
     s = np.linspace(start_mm, end_mm, max(2, int(np.ceil((end_mm - start_mm) / STEP_MM)) + 1))
     density = 1.0 / gap_mm(s)

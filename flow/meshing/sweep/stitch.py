@@ -148,8 +148,8 @@ def strip_between(points, normals, loop, ring):
 def _badness(points, normals, triangles):
     """(badness (...,), cosine with the surface's normal (...,)) of triangles (..., 3).
 
-    normals (n, 3): of the smooth surface at the points (n, 3). The badness is 1 for an equilateral triangle and grows
-    as a triangle gets flatter. FOLD_PENALTY is added where the cosine is below LEAST_COSINE.
+    normals (n, 3): normals of the smooth surface at the points (n, 3). The badness is 1 for an equilateral triangle and
+    grows as a triangle gets flatter. FOLD_PENALTY is added where the cosine is below LEAST_COSINE.
     """
     a, b, c = (points[triangles[..., k]] for k in range(3))
     area = np.cross(b - a, c - a)

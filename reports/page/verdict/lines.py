@@ -109,7 +109,7 @@ def nearer_text(agreement, nearer):
 
 
 def ffr_nearer_text(row, compared):
-    """Whether FFR decides between both methods; row: of nearer.csv; compared: rows of agreement.csv of both methods.
+    """Whether FFR decides between both methods; row: FFR's row of nearer.csv; compared: both rows of agreement.csv.
 
     It decides only if the test does, and if the mean errors differ by more than the flow's own estimated error.
     """
@@ -127,7 +127,7 @@ def ffr_nearer_text(row, compared):
 
 
 def geometry_nearer_text(rows):
-    """Sentences on the areas and the curvature. rows: of nearer.csv, of one lumen after PCI."""
+    """Sentences on the areas and the curvature. rows: rows of nearer.csv for one lumen after PCI."""
     tested, few = ([row for row in rows if (row["p"] is None) == untested] for untested in (False, True))
     lists = {
         "VCI is nearer in": [row for row in tested if row["vci_is"] == NEARER],

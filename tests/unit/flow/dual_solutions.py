@@ -32,7 +32,7 @@ def error_parts(solved, document, tree):
 
 
 def dual(problem, goal):
-    """Values (n,) over W of z with K^T z = goal; K: the last tangent of `problem`, goal (n,): over W."""
+    """Values (n,) over W of z with K^T z = goal (n,), where K is the last tangent of `problem`."""
     if problem.bordered is None or problem.linearised_as != (True, problem.artificial_viscosity):
         problem.linearise(problem.forms.tangent)
     bordered, space = problem.bordered, problem.space

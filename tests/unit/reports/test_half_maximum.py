@@ -1,4 +1,4 @@
-"""The arm at half maximum: its own lumens, the network's FFR, and its place beside the study's own segmentation."""
+"""The half-maximum arm: its own lumens, the network's FFR, and its place beside the study's own segmentation."""
 
 import json
 

@@ -60,7 +60,7 @@ class Model:
             self.outlets[tree].append(end)
 
     def add_aorta(self, folder, scale=1.0):
-        """The ascending aorta and, straight on, its root; scale: of its radii."""
+        """The ascending aorta and, straight on, its root; scale: factor of its radii."""
         points, radii = lines(folder, "left")[0]
         s = arc_lengths(points)
         points, radii = points[s < AORTA_MM], scale * radii[s < AORTA_MM]

@@ -49,7 +49,7 @@ def quadrilaterals(points, cells):
 
 
 class Tube:
-    """radius: function of s in mm; throat, length in mm; all else SI. cells: (along, across); degree: of velocity."""
+    """radius: function of s in mm; throat, length in mm; all else SI. cells: (along, across); degree: velocity's."""
 
     def __init__(self, radius, length, throat, document, cells, degree=3, backflow=0.5):
         self.document, self.radius, self.radius_0, self.factor = document, radius, float(radius(0.0)) * 1e-3, None

@@ -63,7 +63,7 @@ def original_velocity(velocity):
 
 
 def make(around=AROUND, inlet_mm=INLET_MM, outlet_mm=OUTLET_MM, spacing_mm=0.25):
-    """The Nozzle; spacing_mm: of the centreline's points."""
+    """The Nozzle; spacing_mm: distance of the centreline's points."""
     corners_s = np.cumsum([0.0, inlet_mm, CONE_MM, THROAT_MM, 0.0, outlet_mm])
     corners_r = np.array([RADIUS, RADIUS, THROAT, THROAT, RADIUS, RADIUS])
     expansion, length = corners_s[3], corners_s[-1]

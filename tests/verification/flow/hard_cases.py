@@ -136,7 +136,7 @@ def sharp_bend():
 
 
 def fork(shares, **sizes):
-    """A straight vessel with one side branch; shares: of the flow, main first."""
+    """A straight vessel with one side branch; shares: outlets' shares of the flow, main first."""
     sizes = {"length": 24.0, "at": 10.0, "side_length": 10.0, **sizes}
     surface, branches = tubes.fork(**sizes)
     return surface, branches, {"side1": ("main", sizes["at"])}, document(branches, shares, sizes["length"] - 4.0)

@@ -250,8 +250,8 @@ std::map<std::string, Extent> branch_extents(const Lumen& lumen, const std::vect
   return extents;
 }
 
-/// Refuses a main branch that does not start at the inlet. The anatomy step marks the inlet's cap; without it, nothing
-/// is checked.
+/// Refuses a main branch that does not start at the inlet: devices would be placed by arc lengths from the wrong end.
+/// The inlet's cap is known by its region_id, which the anatomy step sets. A lumen without this mark is not checked.
 void refuse_reversed_main(const Lumen& lumen, const std::map<std::string, Path>& paths, const std::string& file) {
   constexpr int inlet = 1; // region_id
   Vec3 sum = Vec3::Zero();

@@ -27,7 +27,7 @@ def space(tmp_path_factory):
 
 
 def _powers(space, speed, coefficient):
-    """(kinetic power that leaves by the outlet, power of the backflow term) in W; speed: of y in m, m/s along x."""
+    """(kinetic power that leaves by the outlet, power of the backflow term) in W; speed(y in m): m/s along x."""
     state = fem.Function(space.W)
     state.sub(0).interpolate(lambda x: np.stack([speed(x[1]), 0 * x[0], 0 * x[0]]))
     forms = NavierStokes(space, state, DENSITY, viscosity.Newtonian(0.004), 0.2, coefficient)
