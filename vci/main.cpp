@@ -32,7 +32,8 @@ PointArray displacement_array(const Lumen& lumen, const Vectors& points) {
   return vector_array("displacement_mm", moved);
 }
 
-/// The scene. If it is refused, an earlier run's deployment.json in `out` is removed too.
+/// Reads the scene. If the scene is refused, an earlier run's deployment.json is removed from `out`, so that nobody
+/// takes it for the result of this run.
 Scene read_scene_for_output(const fs::path& scene_file, const fs::path& out) {
   try {
     return read_scene(scene_file);
@@ -86,7 +87,7 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
     }
   }
   const nlohmann::json document = readouts(scene, lumen, paths, d);
-  for (std::size_t k = d.warnings.size(); k < document["warnings"].size(); ++k) // earlier ones are already printed
+  for (std::size_t k = d.warnings.size(); k < document["warnings"].size(); ++k) // deploy() has printed the earlier ones
     observer.log("warning: " + document["warnings"][k].get<std::string>());
   write_json(output.folder() / "deployment.json", document);
   output.publish();

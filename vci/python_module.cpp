@@ -17,7 +17,7 @@ namespace {
 
 template <class Value>
 using OptionalArray = std::optional<py::array_t<Value, py::array::c_style | py::array::forcecast>>;
-constexpr int steps_between_signal_checks = 10; // solver steps between two checks for Ctrl-C: a fraction of a second
+constexpr int steps_between_signal_checks = 10; // between checks for Ctrl-C; ten take a fraction of a second
 using Log = std::function<void(const std::string&)>;
 
 template <class Value> std::vector<Value> values_of(const OptionalArray<Value>& array) {
@@ -77,8 +77,8 @@ TriangleRows triangles_of(const py::object& object) {
   return Eigen::Map<const TriangleRows>(numbers.data(), array.shape(0), 3);
 }
 
-/// Python dicts and lists as JSON. Numpy's arrays and numbers become lists and numbers. @param name of the argument,
-/// for messages
+/// Converts Python dicts and lists to JSON, and numpy's arrays and numbers to lists and numbers.
+/// @param name name of the Python argument, for messages
 json json_of(const py::object& object, const std::string& name) {
   const py::cpp_function to_builtin([](const py::object& value) -> py::object {
     if (!py::hasattr(value, "tolist"))
@@ -123,7 +123,8 @@ Vessel vessel_from(const Eigen::Ref<const PointRows>& points, const py::object& 
   return vessel;
 }
 
-/// The scene that a call's arguments describe. It is checked against the vessel as `vci deploy` checks a file.
+/// The scene that the arguments of a Python call describe. It passes the same checks against the vessel as the scene
+/// file of `vci deploy`.
 Scene scene_of(const Vessel& vessel, const py::dict& devices, const py::sequence& steps, double map_pa,
                const py::dict& wall, const py::dict& numerics) {
   const json entries{{"patient", {{"map_pa", map_pa}}},
@@ -146,7 +147,7 @@ struct Result {
 
 /// A procedure that runs step by step. Python's threads may share a Session; each call waits for the previous one.
 class Session {
-  /// Ends a computation on Ctrl-C.
+  /// Throws if the user has pressed Ctrl-C. The solver calls this function, so the computation ends.
   static void stop_if_interrupted(const Snapshot&) {
     const py::gil_scoped_acquire held;
     if (PyErr_CheckSignals() != 0)
@@ -155,7 +156,8 @@ class Session {
 
   /// Runs a function without Python's interpreter lock, while no other thread runs one of this Session's functions.
   template <class Call> auto run_exclusively(Call call) {
-    const py::gil_scoped_release released; // before the lock: its holder may need the interpreter to log
+    // Released before the mutex is locked: the thread that holds the mutex may need the interpreter to log.
+    const py::gil_scoped_release released;
     const std::lock_guard<std::recursive_mutex> lock(mutex_);
     return call();
   }
@@ -197,7 +199,7 @@ private:
   Vessel vessel_;
   Scene scene_;
   Deployment deployment_;
-  std::recursive_mutex mutex_; ///< recursive: a logger may ask for the state
+  std::recursive_mutex mutex_; ///< recursive: the user's log function may ask for the state
 };
 
 std::unique_ptr<Session> make_session(const Vessel& vessel, const py::dict& devices, const py::sequence& steps,

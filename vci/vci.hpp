@@ -1,4 +1,4 @@
-// The deployment engine as a library, for programs that run a procedure on their own arrays. Such programs link
+// The deployment engine as a library, for programs that have lumen and centreline as arrays. Such programs link
 // vci::vci. Programs that also read or write files include vci/files.hpp and link vci::files.
 #pragma once
 #include "common/error.hpp"

@@ -5,13 +5,14 @@
 
 namespace vci {
 
-/// A balloon in balance at a pressure: its diameter by the maker's chart and as computed, and the solver's result.
+/// A free balloon in force balance at one pressure. chart_diameter_mm is the diameter by the maker's chart; diameter
+/// and length are computed. Residual and number of steps are the solver's.
 struct InflationPoint {
   double pressure_bar, chart_diameter_mm, diameter_mm, length_mm, residual;
   int steps;
 };
-/// Free expansion of a balloon in air, at one pressure (bar) after the other. Diameters are of the middle ring, lengths
-/// are those between the end rings. Throws common::ComputationError if force balance is not reached at a pressure.
+/// Inflates a balloon in air to one pressure (bar) after the other. Diameters are measured at the middle ring, lengths
+/// between the end rings. Throws common::ComputationError if force balance is not reached at a pressure.
 std::vector<InflationPoint> inflate(const BalloonSpec& spec, const Numerics& numerics,
                                     const std::vector<double>& pressure_bar);
 

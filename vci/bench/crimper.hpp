@@ -1,10 +1,11 @@
-// The head of a radial strength bench (an iris of segments), which closes round a stent.
+// The head of a bench for radial strength: an iris of segments that closes round a stent.
 #pragma once
 #include "vci/mechanics/vertex_force.hpp"
 
 namespace vci {
 
-/// A radial penalty on vertices further than a radius from the z axis: E = k / 2 max(0, sqrt(x^2 + y^2) - R)^2.
+/// Pushes vertices back that are farther than R from the z axis, by the penalty energy
+///   E = k / 2 max(0, sqrt(x^2 + y^2) - R)^2.
 class Crimper : public VertexForce {
 public:
   Crimper(std::vector<int> vertices, double stiffness_n_per_mm)

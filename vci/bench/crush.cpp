@@ -12,16 +12,16 @@ namespace vci {
 
 namespace {
 
-// Share of the nominal pressure to which the balloon is inflated first. It is beyond the yield of a crimped stent.
+// The balloon is first inflated to this share of its nominal pressure, at which the crimped stent already yields.
 constexpr double opening_pressure_share = 0.75;
-// Outside pressure on the free stent over its radial strength. Without it no force would be applied to the free stent,
-// but the residual is relative to the applied forces.
+// Outside pressure during free recoil, as a share of the radial strength. Without this pressure no force would be
+// applied to the free stent, and the residual is relative to the applied forces.
 constexpr double free_pressure_share = 0.01;
-constexpr double closing_step = 0.005;     // of the free stent's radius, by which the crimper closes in a step
+constexpr double closing_step = 0.005;     // share of the free stent's radius by which the crimper closes at a time
 constexpr double crimper_stiffness = 60.0; // pressure per depth, MPa/mm
 constexpr double anchor_stiffness = 1e-5;  // N/mm per vertex: keeps the free stent from drifting off
 constexpr double clearance = 0.03;         // mm between the crimped stent and its balloon
-// losses of diameter, in % of the free one, at which pressure is reported
+// losses of diameter, in % of the free stent's, at which the pressure is reported
 constexpr double reported_losses_percent[] = {1, 2, 5, 10};
 
 std::vector<Frame> straight_frames(const RingGrid& grid) {
@@ -53,8 +53,8 @@ double relax_or_throw(System& system, Interactions& interactions, const Numerics
   return r.residual;
 }
 
-/// Adds the balloon and opens the stent with it, at the pressure of the balloon's nominal diameter. Returns the largest
-/// residual of the balanced states.
+/// Adds the balloon and opens the stent with it, up to the pressure of the balloon's nominal diameter. Returns the
+/// largest residual of the balanced states.
 double open_by_balloon(System& system, const Stent& stent, const StentSpec& spec, BalloonSpec balloon_spec,
                        const Numerics& numerics) {
   balloon_spec.folding.reset(); // folds do not matter: they open before the stent yields

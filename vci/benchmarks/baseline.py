@@ -2,17 +2,17 @@
 
 /usr/bin/python3 -m vci.benchmarks.baseline --out results/baseline [--edges 1.0 0.8 ...] [--only NAME ...] [--budget 60]
 
-All runs are on generated scenes. The textbook scheme has fixed time steps and solves by conjugate gradients without
-preconditioner. It stops once velocities are small, and moves the whole vessel. It is run with contact to the flat
-triangles, as in textbooks, with the meshes and settings in FACET_RUNS. It is run again with this engine's smooth
-contact, with those in TEXTBOOK_RUNS. The default solver is run with several edge lengths. A run that has used its
-budget of CPU seconds is stopped.
+All scenes are generated. The textbook scheme has fixed time steps and solves by conjugate gradients without
+preconditioner. It moves the whole vessel, and stops once velocities are small. It is run with contact to the flat
+triangles, as in textbooks (FACET_RUNS), and with this engine's smooth contact (TEXTBOOK_RUNS). The default solver is
+run with several edge lengths. A run that has used up its budget of CPU seconds is stopped.
 
-baseline.csv has a row for each run. A run's errors are its differences to the reference: the default solver with edges
-of REFERENCE_EDGE_MM and a tenth of the default residual tolerance. levels.csv has rows for levels of error of the mean
-area. A row gives, for a scene and a level, the cheapest run of each scheme within this error, and the ratio of their
-times. If no run of a scheme has so small an error, the row gives the scheme's smallest error and the time of all its
-runs. Runs follow one another on one thread. CPU seconds are those of the whole program.
+baseline.csv has a row for each run. Errors are differences from a reference run: the default solver with edges of
+REFERENCE_EDGE_MM and a tenth of the default residual tolerance. levels.csv compares the times at which the schemes
+reach the same error of the mean area. A row belongs to a scene, a textbook scheme and an error. It gives the cheapest
+runs of default and textbook scheme within this error, and the ratio of their times. If a scheme has no such run, the
+row gives the scheme's smallest error and the time of all its runs. Runs follow one another on one thread. CPU seconds
+are those of the whole program.
 """
 
 import argparse
@@ -41,8 +41,8 @@ EDGES_MM = [1.0, 0.8, 0.6, 0.4]  # mm: edge lengths of the wall for the default 
 REFERENCE_EDGE_MM = 0.25  # mm: edge length of the wall for the reference
 ERROR_LEVELS_PERCENT = (5, 3, 1)  # %: errors of the mean area for the rows of levels.csv
 LINEAR_SOLVES = {"pcg_tolerance": 1e-3, "pcg_maximal_iterations": 3000}
-# Runs of the textbook scheme: edge (mm), fixed step (ms), velocity at which it stops (mm/ms), settings of the linear
-# solves. The finer meshes show which small errors are due to chance.
+# Runs of the textbook scheme: edge (mm), fixed step (ms), velocity below which a stage stops (mm/ms), settings of the
+# linear solves. On a coarse mesh a small error may be due to chance; the runs on finer meshes show whether it is.
 TEXTBOOK_RUNS = [
     *((1.0, 0.01, stop, LINEAR_SOLVES) for stop in (1e-2, 3e-3)),
     *((edge, 0.01, 1e-2, LINEAR_SOLVES) for edge in (0.8, 0.6)),
@@ -50,8 +50,8 @@ TEXTBOOK_RUNS = [
     (1.0, 0.001, 1e-3, LINEAR_SOLVES),
     (0.6, 0.01, 1e-2, {}),  # linear solves to the default tolerance
 ]
-# Runs with contact to flat triangles, whose error depends on the mesh. At edges of 0.4 mm, a run with the longest fixed
-# step (0.01 ms) is not done within 60 CPU seconds.
+# Runs with contact to flat triangles. The error of this contact depends on the mesh, so there are three edge lengths.
+# At 0.4 mm a run with the longest fixed step (0.01 ms) is not done within 60 CPU seconds, so the step is shorter.
 FACET_RUNS = [
     *((edge, 0.01, 1e-2, LINEAR_SOLVES) for edge in (1.0, 0.6)),
     (0.6, 0.003, 1e-3, LINEAR_SOLVES),
@@ -67,7 +67,7 @@ SPRING_WALLS = {"springs, Lame": {}, "springs, Van Gelder": {"spring_mapping": "
 def scheme_runs(edges):
     """Yields each run of a scene as (scheme, edge in mm, {column of the table: value}, settings of the scene).
 
-    `edges` (mm) are those of the default solver. The last run is the reference.
+    edges: edge lengths (mm) for the runs of the default solver. The last run is the reference.
     """
     for edge in edges:
         yield "default", edge, {}, {}
@@ -100,9 +100,10 @@ def run_scene(options, name):
 
 
 def level_columns(rows, scheme, error):
-    """Columns of levels.csv for a scene's rows, a textbook scheme and a largest error of the mean area (%).
+    """The columns of a row of levels.csv that compare the default solver with a textbook scheme.
 
-    They describe the cheapest runs of the default and of this scheme within the error, and the ratio of their times.
+    rows: a scene's rows of baseline.csv. scheme: name of the textbook scheme. error: largest permitted error of the
+    mean area (%). The columns describe the cheapest run of each within this error, and the ratio of their times.
     """
     key, row, cheapest = ERROR_COLUMNS[0], {}, {}
     for name, column in (("default", "default"), (scheme, "textbook")):

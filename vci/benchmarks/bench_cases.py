@@ -1,4 +1,4 @@
-"""Runs a synthetic case by the study's commands: vessel, lumen, plan, deployment engine and finite-element truth."""
+"""Runs the study's commands on a synthetic case: vessel, lumen, plan, deployment engine and finite-element truth."""
 
 import dataclasses
 import json
@@ -12,16 +12,17 @@ from vci.benchmarks.programs import refusal_reason, run_program
 
 PYTHON = "/usr/bin/python3"
 DEVICES_FOLDER = "config/devices"
-# Settings of the finite-element truth, which are coarser than the study's. The mean error of its areas is below 1 %
+# Settings of the finite-element truth, coarser than those of the study. The mean error of the areas is still below 1 %
 # (data_synthetic/measured.md).
 TRUTH_SETTINGS = {"slice_spacing_mm": 1.0, "elements_around": 16, "elements_through": 4, "check_slices": 0}
 
 
 @dataclasses.dataclass(frozen=True)
 class CaseOutcome:
-    """The results of a case in its folder, or the reason for which a command refused it.
+    """The results of a case, or the reason for which a command refused it.
 
-    plan: the plan. engine: the engine's deployment.json. truth: the truth's reference.json. refusal: empty if none did.
+    folder: folder with all files of the case. plan, engine, truth: contents of plan.json, deployment.json and
+    reference.json. refusal: the reason; empty if no command refused the case.
     """
 
     folder: pathlib.Path
@@ -32,9 +33,10 @@ class CaseOutcome:
 
 
 def prepare_plan(case_file, folder, build, edge=0.4):
-    """(plan's file, None) after vessel, lumen and plan of the case were made in `folder`, or (None, reason of refusal).
+    """Makes vessel, lumen and plan of a case in `folder`. Returns (plan's file, None), or (None, reason of refusal).
 
-    case_file: YAML. build: folder of the program lumen. edge: edge length of the lumen's triangles, mm.
+    case_file: YAML file of the case. build: folder of the program lumen. edge: edge length (mm) of the lumen's
+    triangles.
     """
     plan_file = folder / "vci" / "plan.json"
     commands = [
@@ -49,7 +51,7 @@ def prepare_plan(case_file, folder, build, edge=0.4):
 
 
 def first_refusal(commands, case):
-    """The reason of the first of the commands that is refused, printed too after the name of the case; None if none."""
+    """Runs commands until one is refused. Prints and returns the reason; None if all commands succeed."""
     for command in commands:
         code, messages, _ = run_program(command)
         if code:
@@ -59,10 +61,10 @@ def first_refusal(commands, case):
 
 
 def run_engine_and_truth(case_file, folder, build, edit_plan=lambda plan: None):
-    """Runs the case in the YAML file `case_file` by engine and truth, and returns its CaseOutcome.
+    """Runs engine and truth on the case in the YAML file `case_file`, and returns the CaseOutcome.
 
-    folder: for all files. build: folder of the programs vci and lumen. edit_plan: function that edits the plan before
-    engine and truth use it.
+    folder: folder for all files. build: folder of the programs vci and lumen. edit_plan: function that edits the plan
+    before engine and truth use it.
     """
     plan_file, refusal = prepare_plan(case_file, folder, build)
     if refusal:
@@ -109,10 +111,10 @@ def stenting_figures(outcome):
     """{model: {below_chart_percent, recoil_mm, short_of_chart_mm, expansion_percent, gain_mm}} of one stented case.
 
     The models are engine and truth. below_chart_percent: by how much the smallest final diameter in the stent is below
-    the chart diameter of the largest balloon. recoil_mm: mean decrease of the stent's diameter since its inflation (in
-    the truth, its widest). short_of_chart_mm: the delivery balloon's chart diameter minus its smallest diameter when
-    inflated. expansion_percent: smallest area in the stent over the healthy area. gain_mm: mean increase of the lumen's
-    diameter along the stents.
+    the chart diameter of the largest balloon. recoil_mm: mean diameter of the inflated stent minus mean final diameter
+    (in the truth each slice at its widest inflation). short_of_chart_mm: the delivery balloon's chart diameter minus
+    its smallest diameter when inflated. expansion_percent: smallest area in the stent over the healthy area there.
+    gain_mm: mean increase of the lumen's diameter along the stents.
     """
     plan, engine, truth = outcome.plan, outcome.engine, outcome.truth
     widest = max(
@@ -156,7 +158,7 @@ def stenting_figures(outcome):
 def inflated_expansion(outcome, healthy_diameter_mm):
     """{model: area in percent of the healthy area} for the models engine and truth.
 
-    The area is the smallest along the cylinder of the predilatation's balloon, while this balloon is inflated.
+    The area is the smallest along the cylindrical part of the predilatation's balloon, while this balloon is inflated.
     """
     name, use = device_uses(outcome.plan, "predilatation")[0]
     half = 0.5 * outcome.plan["devices"][use["device"]]["length_mm"]

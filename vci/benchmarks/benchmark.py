@@ -2,12 +2,12 @@
 
 /usr/bin/python3 -m vci.benchmarks.benchmark [results/cases/quick_branch ...] [--generated] --out results/benchmark
 
-The generated scenes of SCENES and the shipped bifurcation are run if no case folders are given, or before them with
---generated. Tolerances, precisions and walls other than the first are run only at the edge `--varied-at`. A case's
-error is its difference to the finest edge that balances at a tenth of the first residual tolerance, or, if none does,
-to the finest row that balances (column `reference`). A refused row gives the reason. Runs follow one another on one
-thread. `seconds` are the engine's own (wall clock of all stages); `cpu_seconds` and memory are the whole program's.
-`microseconds_per_vertex_step` is CPU time over steps and wall vertices. medians.csv holds the medians over the cases.
+Without case folders, the generated scenes of SCENES and the shipped bifurcation are run; with --generated they are run
+before the folders. Every edge is run with the first tolerance, precision and wall, and the edge `--varied-at` also with
+the others. Errors are differences from a reference run of the case (see run_case()), which the column `reference`
+names. The row of a refused run has the reason. Runs follow one another on one thread. `seconds` is the engine's
+wall-clock time for all stages; `cpu_seconds` and memory are those of the whole program. `microseconds_per_vertex_step`
+is the CPU time divided by steps and wall vertices. medians.csv has the medians over the cases.
 """
 
 import argparse
@@ -47,12 +47,12 @@ SCENES = {
     "calcified": (Tube(stenosis=0.55, eccentricity=0.8, calcium_deg=120), {}),
     "long diffuse": (Tube(length=40, stenosis=0.5, lesion_length=24), {"length": 18}),
 }
-BIFURCATION = "bifurcation"  # the shipped bench's first two steps: a stent across the side branch, optimised
-BUDGET_CPU_SECONDS = 300  # limit of a run in CPU seconds; a slower one has no place in a table of speeds
+BIFURCATION = "bifurcation"  # the shipped bench's first two steps: stent across the side branch, proximal optimisation
+BUDGET_CPU_SECONDS = 300  # CPU seconds after which a run is stopped; a slower one has no place in a table of speeds
 
 
 def source_surface(case):
-    """The surface from which a case's anatomy was made, synthetic or the user's, and its units."""
+    """(path, units) of the surface from which a case's anatomy was made: a synthetic one or the user's."""
     source = json.loads((case / "anatomy" / "anatomy.json").read_text())["source"]
     synthetic = case / "source" / "lumen.vtp"
     path = synthetic if synthetic.is_file() else pathlib.Path(source["path"])
@@ -62,14 +62,14 @@ def source_surface(case):
 
 
 def remeshed_scene(programs, case, edge, folder):
-    """The case's scene (JSON) on its surface remeshed at an edge (mm)."""
+    """The case's scene (JSON) after its surface was remeshed to the edge length `edge` (mm)."""
     process_lumen(programs, *source_surface(case), edge, folder / "anatomy")
     scene = json.loads((case / "vci" / "scene.json").read_text())
     return scene | {"lumen": "anatomy/lumen.vtp", "centreline": "anatomy/centreline.vtp"}
 
 
 def generated_scene(name, edge, folder):
-    """The generated scene (JSON) at an edge (mm)."""
+    """The generated scene (JSON) with triangles of the edge length `edge` (mm)."""
     tube, scene_options = SCENES[name]
     return json.loads(write_scene(folder, dataclasses.replace(tube, edge=edge), **scene_options).read_text())
 
@@ -81,7 +81,7 @@ def benchmark_scene(programs, case, edge, folder):
 
 
 def deployment_row(programs, case, setting, folder):
-    """One row: a case (folder or name of a generated scene) at a setting, the devices' edge in proportion."""
+    """Runs a case (folder or name of a scene) and returns its row. The devices' edges scale with the wall's."""
     edge, tolerance, precision, wall = setting
     folder.mkdir(parents=True, exist_ok=True)
     scene = benchmark_scene(programs, case, edge, folder)
@@ -96,7 +96,7 @@ def deployment_row(programs, case, setting, folder):
 
 
 def run_outcome(program, scene, budget=None):
-    """Runs a scene (results in vci/ beside it): outcome, CPU seconds, memory and, if it balanced, its results."""
+    """Runs a scene into the folder vci/ beside it. Returns {column: value}: outcome, CPU seconds, any results."""
     out = scene.parent / "vci"
     code, messages, cpu = run_program([program, "deploy", scene, "--out", out], budget)
     if code == -signal.SIGXCPU:
@@ -133,7 +133,7 @@ def case_name(case):
 
 
 def median_rows(rows):
-    """A row for each setting: medians over the cases that balanced; errors count by their size."""
+    """A row for each setting with the medians over the cases that balanced. Errors enter with their absolute value."""
     result = []
     for setting in dict.fromkeys(tuple(r[k] for k in SETTING_COLUMNS) for r in rows):
         balanced_rows = [
@@ -155,7 +155,7 @@ def write_table(rows, columns, path):
 
 
 def add_errors(rows, reference):
-    """Rows with their errors in percent against the row `reference` (None: none balanced)."""
+    """Adds errors in percent against the row `reference` (None if no run balanced) and returns the rows."""
     for row in rows:
         if reference and row["outcome"] == "balanced":
             for name in ("mean_csa", "mla"):
@@ -166,7 +166,7 @@ def add_errors(rows, reference):
 
 
 def benchmark_settings(options):
-    """The settings to run at: every edge with the first tolerance, precision and wall, and one edge with the others."""
+    """Settings to run: all edges with the first tolerance, precision and wall, and one edge with each of the others."""
     first = (options.tolerances[0], options.precisions[0], options.walls[0])
     settings = [(edge, *first) for edge in sorted(options.edges, reverse=True)]
     for place, values in enumerate((options.tolerances, options.precisions, options.walls)):
@@ -177,10 +177,10 @@ def benchmark_settings(options):
 
 
 def run_case(options, case):
-    """A case's rows, with errors against its reference.
+    """Runs a case at all settings and returns its rows, with errors against the case's reference.
 
-    The reference is the finest edge that balances at a tenth of the first tolerance. If none does, it is the finest run
-    that balanced.
+    The reference is the run with the finest edge that balances at a tenth of the first tolerance. If none does, it is
+    the finest run that balanced.
     """
 
     def run_setting(setting):

@@ -2,8 +2,9 @@
 
 /usr/bin/python3 -m vci.benchmarks.calcium_strength --out results/calcium_strength
 
-The vessels are those of `published`, with calcium of 10 mm over three arcs. Each strength is run at three first steps
-of the solver, which tell how far the areas depend on the path. The measured change is that of Fujino 2018.
+The vessels are those of vci.benchmarks.published, with calcium 10 mm long that spans one of three arcs. Each strength
+is run with three lengths of the solver's first step: their spread tells how far areas depend on the solver's path.
+Fujino 2018 measured by how much the expansion falls with the arc (column `change_percent`).
 """
 
 import argparse
@@ -19,8 +20,8 @@ from vci.benchmarks.benchmark import write_table
 from vci.benchmarks.programs import refusal_reason, run_program
 from vci.benchmarks.published import ARCS_DEG, STENTING_PLAN, calcified_case
 
-LENGTH_MM = 10  # of the calcium
-INITIAL_STEPS_MS = (0.27, 0.30, 0.34)  # of the solver; the spread of the results shows how they depend on the path
+LENGTH_MM = 10  # length of the calcium
+INITIAL_STEPS_MS = (0.27, 0.30, 0.34)  # lengths of the first step; their results show how areas depend on the path
 KEYS = ("youngs_modulus_mpa", "yield_strain", "hardening")
 DEFAULT = (20.0, 0.06, 0.05)
 STRENGTHS = ((30.0, None, 0.0), (30.0, 0.1, 0.05), (20.0, 0.1, 0.05), DEFAULT, (20.0, 0.05, 0.05), (12.0, 0.05, 0.05))
@@ -37,7 +38,8 @@ COLUMNS = [
 def expansion(build, plan, law, first_step_ms, folder):
     """Smallest stent area over the healthy area (%) with calcium of this law, None if the deployment is refused.
 
-    plan: document of plan.json, whose paths are relative to `folder`. law: values of KEYS.
+    plan: content of plan.json, whose paths are relative to `folder`. law: values of KEYS. first_step_ms: length of the
+    solver's first step.
     """
     scene = plan | {
         "wall": {"plaque": {"calcified": dict(zip(KEYS, law))}},

@@ -2,10 +2,10 @@
 
 /usr/bin/python3 -m vci.benchmarks.coarse_walls results/cases/lad02 --out results/coarse_walls
 
-Each case is deployed as in the study and on the lumens of MESHES, which are its own lumen on other edges. The errors
-are against the first mesh of REFERENCE_MESHES that reaches force balance. A coarse wall carries the points of the
-study's lumen (`coarse_lumen` of a scene), so that the areas are those of the surface that the flow is solved in.
-`normal_rms_mm` is how far its points lie from the surface of the study's own deployment, along the normal. The runs
+Each case is deployed on the mesh of the study, and on its lumen remeshed to the edge lengths in MESHES. Errors are
+relative to the first mesh of REFERENCE_MESHES that reaches force balance. A coarse wall carries the points of the
+study's lumen with it (`coarse_lumen` of a scene). So areas are measured on the surface in which the flow is solved.
+`normal_rms_mm` is the distance of these points, along the normal, from where the study's own mesh puts them. The runs
 follow one another on one core.
 """
 
@@ -47,8 +47,8 @@ REMEDY = "run the study's rules up to vci/scene.json of this case"
 
 
 def normal_distances(before, one, other):
-    """Root mean square and largest distance (mm) along the normal between two deformed states of the surface `before`
-    (vtkPolyData with the same points), over the points that move."""
+    """(root mean square, largest) distance in mm along the normal between two deformed states of the surface `before`,
+    over the points that move. All three are vtkPolyData with the same points."""
     start, first, second = (vtp.points(surface) for surface in (before, one, other))
     normals = vtk.vtkPolyDataNormals()
     normals.SetInputData(other)
@@ -61,7 +61,7 @@ def normal_distances(before, one, other):
 
 
 def remesh_lumen(build, case, edge, folder):
-    """The case's lumen with edges of `edge` mm, and its centreline in the same folder. Raises ComputationError."""
+    """Writes the case's lumen with edges of `edge` mm and its centreline; returns the file. Raises ComputationError."""
     line = [build / "lumen", "process", case / "anatomy" / "lumen.vtp", "--edge", edge]
     code, messages, _ = run_program([*line, "--like", case / "anatomy" / "anatomy.json", "--out", folder])
     if code:
@@ -70,10 +70,11 @@ def remesh_lumen(build, case, edge, folder):
 
 
 def deploy_scene(build, case, files, device, folder):
-    """Deploys the case's scene with other files (`lumen`, `coarse_lumen`, `centreline`).
+    """Deploys the case's scene and returns (outcome, areas in mm2 along the segment).
 
-    device: edge of the devices, mm; None: as it is. Returns the outcome, and the areas (mm2) along the segment;
-    None instead of areas if the run did not balance. An area is NaN where the plane gives no closed outline.
+    files: {`lumen`, `coarse_lumen`, `centreline`: file} that replace the scene's. device: edge of the devices in mm;
+    None: the scene's. The areas are None if the run did not balance. An area is NaN where the section has no closed
+    outline.
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene = json.loads((case / "vci" / "scene.json").read_text(encoding="utf-8"))
@@ -93,7 +94,7 @@ def area_errors(areas, truth):
 
 
 def case_rows(build, case, out):
-    """The case's rows: references until one balances, the study's mesh, and the meshes that carry the study's lumen."""
+    """Yields the case's rows: references until one balances, the study's mesh, then walls that carry its lumen."""
     study_files = {key: case / "anatomy" / f"{key}.vtp" for key in ("lumen", "centreline")}
     coarse, reference, study_row = {}, None, None
 
@@ -129,7 +130,7 @@ def case_rows(build, case, out):
 
 
 def summary_rows(rows):
-    """One row for each mesh: over the cases that balanced, median and largest CPU seconds, and errors (per cent)."""
+    """Yields a row for each mesh: median and largest CPU seconds and errors (per cent) of the cases that balanced."""
     cases = len(dict.fromkeys(row["case"] for row in rows))
     rows_with_error = [row for row in rows if ERROR_COLUMNS[0] in row]
     for mesh in dict.fromkeys((row["wall_edge_mm"], row["device_edge_mm"]) for row in rows_with_error):

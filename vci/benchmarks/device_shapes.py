@@ -8,7 +8,7 @@ from common import vtp
 def ring_vertices(path):
     """Vertices (rings, vertices round a ring, 3) in mm of a device's .vtp file.
 
-    The device is an open tube, so its numbers of vertices and triangles give the number of vertices round a ring.
+    An open tube of r rings with n vertices each has r n vertices and 2 (r - 1) n triangles, which gives n.
     """
     poly = vtp.read(path, "run vci deploy again")
     points = vtp.points(poly)
@@ -18,8 +18,8 @@ def ring_vertices(path):
 def ring_diameters(path):
     """(places (n,), diameters (n,)) in mm of the n rings of a device's .vtp file.
 
-    Places are measured along the device from its middle. A diameter is that of a circle through the vertices of a
-    regular ring with the same perimeter.
+    Places are measured along the device from its middle. A diameter is that of the circumscribed circle of a regular
+    polygon with the ring's perimeter.
     """
     rings = ring_vertices(path)
     centres = rings.mean(axis=1)

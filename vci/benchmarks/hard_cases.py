@@ -30,7 +30,7 @@ def calcium_wall(stiffness_ratio):
 
 MEAN_LIMIT_MM = 0.05 * 0.0125  # largest mean penetration of a good run: a twentieth of contact_distance_mm
 WORST_LIMIT_MM = 0.05  # largest penetration of any vertex in a good run
-MAXIMAL_STEPS = 500  # in a stage; cases that balance need about a third of this number
+MAXIMAL_STEPS = 500  # limit of steps in a stage; cases that balance need about a third of it
 ECCENTRIC = {"eccentricity": 0.8, "calcium_deg": 90}
 CASES = {
     "ordinary": (Tube(), {}),
@@ -46,7 +46,7 @@ CASES = {
     "curvature 0.3 /mm": (Tube(curvature=0.3), {}),
     "mesh jittered by 25 %": (Tube(jitter=0.25), {}),
     "slivers": (Tube(sliver=0.75), {}),
-    "jittered by 25 %, with slivers": (Tube(jitter=0.25, sliver=0.5), {}),  # at 0.6 triangles fold over
+    "jittered by 25 %, with slivers": (Tube(jitter=0.25, sliver=0.5), {}),  # with sliver=0.6 triangles fold over
     "first step x1000": (Tube(), {"numerics": {"initial_step_ms": 300, "maximal_step_ms": 300}}),
     "25 bar": (Tube(), {"pressures": (10, 11, 25)}),
     "overlapping stents": (Tube(length=36), {"shifts": (-4.5, 4.5)}),
@@ -56,16 +56,16 @@ CASES = {
     ),
     "kissing balloons": (Tube(), {"kissing": 0.6, "pressures": (10, 11, 12)}),
 }
-# Number of steps that are run of the shipped bifurcation's procedure; None for all. The first two steps place a stent
-# across the side branch and dilate it in the main branch (proximal optimisation). Further steps place a second stent
-# through the first one's side, and inflate kissing balloons.
+# How many steps of the shipped bifurcation's procedure are run; None: all. The first two steps place a stent across the
+# side branch and dilate it in the main branch (proximal optimisation). Further steps place a second stent through the
+# first one's side, and inflate kissing balloons.
 BIFURCATION_STEPS = {"stent across a side branch": 2, "culotte": None}
 BIFURCATION_EDGE_MM = 0.4  # edge length of the bifurcation's lumen
 CASE_NAMES = (*CASES, *BIFURCATION_STEPS)
 
 
 def result_row(case, program, scene):
-    """Runs a scene and returns its row."""
+    """Runs a scene and returns its row of hard_cases.csv."""
     code, messages, cpu = run_program([program, "deploy", scene, "--out", scene.parent / "out"])
     row = {"case": case, "cpu_seconds": round(cpu, 2)}
     if code:

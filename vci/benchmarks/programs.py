@@ -1,4 +1,4 @@
-"""Runs programs of a study for the benchmarks: CPU seconds, refusals, a lumen remeshed, the shipped bifurcation."""
+"""Runs the study's programs for the benchmarks, among others to remesh a lumen or to make the shipped bifurcation."""
 
 import json
 import os
@@ -13,7 +13,7 @@ CONFIG = pathlib.Path(__file__).resolve().parents[2] / "config"
 
 
 def run_program(command, budget=None):
-    """(exit code, text of standard error, CPU seconds) of a program.
+    """Runs a program and returns (exit code, text of standard error, CPU seconds).
 
     The program is ended once it has used `budget` CPU seconds. Its exit code is then negative.
     """
@@ -35,14 +35,14 @@ def run_program(command, budget=None):
 
 
 def refusal_reason(messages):
-    """The last error message in the text of standard error, in one line and without its remedy."""
+    """The last error message in a program's standard error, on one line and without the remedy."""
     lines = [line.strip() for line in messages.strip().splitlines()]
     start = max((k for k, line in enumerate(lines) if line.startswith("where:")), default=len(lines))
     return "; ".join(line for line in lines[max(start - 1, 0) : start + 2] if not line.startswith("remedy"))
 
 
 def process_lumen(programs, surface, units, edge, out):
-    """Writes the anatomy of a surface, remeshed to an edge length (mm), to the folder `out`, unless it is there.
+    """Writes the anatomy of a surface, remeshed to the edge length `edge` (mm), to the folder `out`, unless it exists.
 
     programs: folder of the program lumen. units: unit of the surface. Raises ComputationError if the program fails.
     """
@@ -55,10 +55,11 @@ def process_lumen(programs, surface, units, edge, out):
 
 
 def culotte_scene(programs, edge, folder, steps=None):
-    """The scene (JSON) of the bifurcation in config/cases/culotte_bench.yaml, remeshed to an edge length (mm).
+    """The scene (JSON) of the bifurcation in config/cases/culotte_bench.yaml, remeshed to the edge length `edge` (mm).
 
-    programs: folder of the program lumen. folder: for the anatomy and the plan; its parent gets the bench's surface,
-    made once. steps: number of first steps that the scene keeps; None: all. Raises ComputationError if a program fails.
+    programs: folder of the program lumen. folder: folder for the anatomy and the plan. The surface before remeshing is
+    made once, in the folder above it. steps: the scene keeps this number of first steps; None: all. Raises
+    ComputationError if a program fails.
     """
     case, source, plan = CONFIG / "cases" / "culotte_bench.yaml", folder.parent / "source", folder / "plan.json"
     if not (source / "lumen.vtp").is_file():

@@ -1,4 +1,4 @@
-"""Engine and finite-element truth beside measurements of stents and balloons on benches, in cadavers and in patients.
+"""Compares engine and finite-element truth with measured stents and balloons on benches, in cadavers and in patients.
 
 Writes published.csv, a row for each published figure.
 """
@@ -30,7 +30,7 @@ MAXIMAL = "micro-CT of 4.0 mm stents after two 6.0 mm balloons (EuroIntervention
 WIESENT = "Wiesent 2019, doi 10.1371/journal.pone.0224026"
 COLUMNS = ["bench", "quantity", "unit", "published", "engine", "truth", "n", "remark", "source"]
 VESSEL_MM = 3.0  # healthy diameter of the calcified vessels
-ARCS_DEG, LENGTHS_MM = (90, 180, 270), (5, 10)  # of the calcium
+ARCS_DEG, LENGTHS_MM = (90, 180, 270), (5, 10)  # arcs and lengths of the calcium
 ATMOSPHERES = (10, 20, 30)  # balloon pressures; one atmosphere is taken as one bar
 NO_TRUTH_REMARK = "the truth's slices have no axial coupling"
 
@@ -59,8 +59,9 @@ def catalogue_entry(families, family, diameter, length):
 def stent_diameters(folder, build, families, tube, pressure_bar, wall=None, diameter=3.0, balloon=("des_balloon", 3.0)):
     """(places (n,), diameters (n,)) in mm along a stent that its balloon holds open in a tube.
 
-    The stent is the catalogue's, `diameter` mm wide and 18 mm long; balloon: family and diameter in mm. The run may be
-    refused at its end, because a free stent touches nothing once its balloon is out.
+    The stent is of the family `des`, 18 mm long, and has the nominal diameter `diameter` in mm. balloon: family and
+    diameter in mm of the delivery balloon. The run may be refused after the last stage, because a stent that opens
+    freely touches no wall. So the diameters are read from a frame of an earlier stage.
     """
     path = scenes.write_scene(folder, tube, wall=wall)
     scene = json.loads(path.read_text())
@@ -113,7 +114,7 @@ def maximal_expansion(folder, build, families):
 
 
 def steel_ring(folder, build, families):
-    """Yields rows for a stent that opens in a rigid ring of 1.20 mm: its largest diameter, reached beside the ring."""
+    """Yields rows for a stent that opens in a rigid ring of 1.20 mm: the stent's largest diameter, beside the ring."""
     rigid = {"plaque": {"calcified": {"youngs_modulus_mpa": 1e5, "yield_strain": None}}}
     tube = scenes.Tube(30.0, 2.2, 1 - 1.2 / 4.4, lesion_length=4.0, calcium_deg=360)
     delivery = families["des_balloon"]
@@ -134,7 +135,7 @@ def steel_ring(folder, build, families):
 
 
 def drawn_cohort(folder, build, count, seed):
-    """Yields rows for drawn patients with proposed plans: shortfall from the chart diameter, recoil and expansion.
+    """Yields rows for randomly drawn patients with proposed plans: shortfall from the chart, recoil, expansion.
 
     count: number of patients. seed: seed of the random numbers by which they are drawn.
     """
@@ -188,7 +189,7 @@ def mean_sd(values):
 def calcified_case(path, arc_deg, length_mm, steps):
     """Writes a case file and returns its path: a vessel of 3 mm with a stenosis of 65 % and calcium in its plaque.
 
-    arc_deg, length_mm: arc and length of the calcium. steps: the case's plan, as plan_step() makes its entries.
+    arc_deg, length_mm: arc and length of the calcium. steps: the case's plan, a list of results of plan_step().
     """
     lesion = {"centre_s_mm": 20, "length_mm": 14, "diameter_stenosis_percent": 65, "plaque": "fibrous"}
     lesion["calcium"] = {"arc_deg": arc_deg, "length_mm": length_mm}
@@ -265,7 +266,7 @@ def inflated_areas(folder, build):
 
     for label, arc, length in (("little", 90, 5), ("much", 270, 10)):
         for pressure_bar in ATMOSPHERES:
-            # A case file may not exceed the rated burst pressure. So the pressure is raised in the plan.
+            # A pressure above the rated burst pressure is refused in a case file. So it is set in the plan instead.
             steps = [plan_step("predilatation", "non_compliant", VESSEL_MM, 15, 10)]
             path = calcified_case(folder / f"balloon_{label}_{pressure_bar}.yaml", arc, length, steps)
             outcome = bench_cases.run_engine_and_truth(path, folder / path.stem, build, extend_chart)

@@ -1,4 +1,4 @@
-"""Generated scenes: narrowed tubes, straight or curved, with devices to fit, for benchmarks and tests."""
+"""Generated scenes for benchmarks and tests: narrowed tubes, straight or curved, with devices of a fitting size."""
 
 import dataclasses
 import json
@@ -19,7 +19,7 @@ class Tube:
     """A tube with a stenosis at half its length. Lengths are in mm, the curvature of its axis in 1/mm."""
 
     length: float = 30.0
-    radius: float = 1.5  # of the healthy lumen
+    radius: float = 1.5  # radius of the healthy lumen
     stenosis: float = 0.5  # share of the diameter that is lost at the narrowest place
     lesion_length: float = 9.0
     eccentricity: float = 0.0  # 0: plaque all round; 1: all plaque on one side
@@ -28,7 +28,7 @@ class Tube:
     edge: float = 0.5  # length of the triangles' edges
     jitter: float = 0.0  # largest random displacement of vertices along the surface, over the edge length
     sliver: float = 0.0  # 0: rows of triangles are equally high; towards 1: every other row is thin
-    seed: int = 1  # of the jitter
+    seed: int = 1  # seed of the random numbers of the jitter
 
     def lumen_radius(self, s):
         """Lumen radius (mm) at arc lengths s (mm)."""
@@ -86,7 +86,7 @@ class Tube:
         return points, self._triangles(len(rows), around), radius, plaque, kind
 
     def _ring_arc_lengths(self):
-        """Arc lengths (mm) of the rings of vertices, which are closer where the lumen is narrow."""
+        """Arc lengths (mm) of the rings of vertices. The rings are closer to each other where the lumen is narrow."""
         rows = [0.0]
         while rows[-1] < self.length:
             share = max(0.3, float(self.lumen_radius(np.array(rows[-1]))) / self.radius)
@@ -184,10 +184,10 @@ def write_scene(
     """Writes the tube and a scene.json with predilatation, stents and postdilatation. Returns the path of scene.json.
 
     size: nominal diameter of the stents over the healthy vessel's diameter. pressures: pressures of predilatation,
-    stents and last step, bar. shifts: place of each stent from the lesion's middle, mm. length: length of the stents,
-    mm. wall, numerics: settings of the scene. kissing: if above 0, the last step is no postdilatation but inflates two
-    balloons side by side, of this share of the stents' diameter. folding: entry for predilatation and delivery
-    balloons; None: not folded.
+    stents and last step, bar. shifts: distance (mm) of each stent's middle from the lesion's. length: length of the
+    stents, mm. wall, numerics: settings of the scene. kissing: 0 for a postdilatation as last step. Otherwise the last
+    step inflates two balloons side by side, each with this share of the stents' diameter. folding: the entry `folding`
+    of predilatation and delivery balloons; None: they are not folded.
     """
     folder.mkdir(parents=True, exist_ok=True)
     write_geometry(folder, tube)

@@ -3,8 +3,8 @@
 /usr/bin/python3 -m vci.benchmarks.sensitivity --out results/sensitivity
 
 Runs the generated scenes CASES of vci.benchmarks.benchmark, with one setting at a time changed from its default.
-sensitivity.csv has a row for each run. It gives the changes of the mean and the minimal area of the reported segment,
-in percent of the areas with all settings at their defaults. Runs follow one another.
+sensitivity.csv has a row for each run. The row gives by how much the mean and the minimal area of the reported segment
+change, in percent of the areas with default settings. Runs follow one another.
 """
 
 import argparse
@@ -26,7 +26,7 @@ COLUMNS += ("steps", "cpu_seconds")
 
 
 def run_scene(program, case, numerics, folder):
-    """Runs the scene `case` with the settings `numerics`, and returns its outcome as benchmark.run_outcome() does.
+    """Runs the scene `case` with the settings `numerics`, and returns the result of benchmark.run_outcome().
 
     Raises ComputationError if the scene is refused.
     """

@@ -7,7 +7,7 @@ from matplotlib import pyplot  # noqa: E402
 
 
 def pareto(points):
-    """The Pareto front of (cost, error) pairs: those whose error is below that of all cheaper pairs, sorted by cost."""
+    """The Pareto front of (cost, error) pairs, sorted by cost: each has a smaller error than all cheaper pairs."""
     front = []
     for cost, error in sorted(points):
         if not front or error < front[-1][1]:

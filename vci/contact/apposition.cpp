@@ -12,11 +12,11 @@ namespace vci {
 namespace {
 
 constexpr double apposition_reach = 2.0; // mm: a stent further from a wall vertex lies against another part of the wall
-// mm: a vertex may project along the normals onto a triangle that is this much further away than the nearest one
+// mm: a vertex may project along the normals onto a triangle that is farther than the nearest one by up to this length
 constexpr double projection_slack = 0.1;
 constexpr double no_gap = 1e300;
 
-/// Gap (mm) from a wall vertex to the smooth surface of a stent, measured as contact does; 0 if they touch or overlap.
+/// Gap (mm) from a wall vertex to the smooth surface of a stent, measured as in contact; 0 if they touch or overlap.
 /// Returns nothing if the vertex projects onto the stent's open end, or if the outward normals of wall and stent point
 /// opposite ways.
 /// @param unit_normals unit normals of all vertices

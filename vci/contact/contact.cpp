@@ -12,23 +12,23 @@ namespace {
 // mm: radius round a vertex in which a surface is searched. A vertex that has gone deeper is no longer in contact.
 constexpr double search_reach = 0.5;
 
-// A few vertices carry far more load than the others, at the edge of calcium or at the rim of a stent's opening. A
-// second, stiffer contact response stops them, the deep response. It begins deeper than ordinary contact reaches. If
-// all contact were as stiff, areas would depend on the length of the solver's steps. Start and width are in widths of
-// the ordinary ramp, and the stiffness is relative to the ordinary stiffness.
+// At the edge of calcium or at the rim of a stent's opening, a few vertices carry far more load than the others. A
+// second, stiffer contact response stops them, the deep response. It begins at a depth that ordinary contact seldom
+// reaches. If all contact were as stiff, areas would depend on the length of the solver's steps. Start and width are in
+// widths of the ordinary ramp, and the stiffness is relative to the ordinary stiffness.
 constexpr double deep_start = 1.5, deep_width = 2, deep_stiffness_ratio = 40;
 // Largest factor by which stiffen_deep_contacts() raises the deep response of a vertex. If a vertex is still too deep
 // at this factor, it remains too deep.
 constexpr double largest_deep_scale = 64;
-// In the last row of triangles before a window (an opening in a surface), the weight of the corners off the rim falls
-// from 1 to 0 at the rim. The deep response fades only below this weight. If it faded earlier, vertices there would
-// carry their load with a small share of their area and sink in. The ordinary response fades over the whole row, so
-// that contact comes and goes gradually.
+// Across the last row of triangles before a window (an opening in a surface), the barycentric weight of the corners off
+// the rim falls from 1 to 0 at the rim. The deep response fades only where this weight is below `deep_fade_share`. With
+// an earlier fade, vertices there would be too soft for their load and sink in. The ordinary response fades over the
+// whole row, so that contact comes and goes gradually.
 constexpr double deep_fade_share = 0.1;
 
-// Share of a sliding contact's friction stiffness that the step's matrix leaves out along the slip. Further slip raises
-// the friction no more, but a contact that turns back sticks again. With all of the stiffness left out the steps do not
-// converge; with none left out the contact creeps.
+// Share of a sliding contact's friction stiffness that the step's matrix leaves out in the direction of slip. Further
+// slip does not raise the friction, but a contact that turns back sticks again. With all of the stiffness left out, the
+// steps do not converge. With none left out, the contact creeps.
 constexpr double slip_tangent_reduction = 0.7;
 
 // At a fold, a vertex may lie on no normal of the surface. Its gap is then measured to the nearest point of the fold.
@@ -119,8 +119,8 @@ const BroadPhase& SurfaceTrees::at(const System& system, int body) {
   return place->second;
 }
 
-/// Stores in `candidates` what a search round vertex v has `found`: the candidate triangles. If the surface is far
-/// away, it stores only how far vertex and surface may move until the next search.
+/// Stores the triangles `found` by a search round vertex v in `candidates`. If the surface is far away, only the
+/// nearest triangle is stored, and how far vertex and surface may move until the next search.
 void SurfaceContact::store_candidates(const System& system, const Vectors& unit_normals, int v, const Body& target,
                                       bool vertex_inside, const std::vector<NearTriangle>& found, double travel,
                                       Candidates& candidates) const {
@@ -148,7 +148,7 @@ void SurfaceContact::store_candidates(const System& system, const Vectors& unit_
 }
 
 /// Whether a vertex at p still projects onto the triangle that it met last, so that no new search is needed. Vertex and
-/// surface may together have moved by three skins since the last search.
+/// surface may together have moved by up to three times `skin` since the last search.
 bool SurfaceContact::still_projects(const System& system, const Vectors& unit_normals, const Vec3& p,
                                     const Body& target, double travel, const Candidates& candidates) const {
   SurfaceProjection projection;
@@ -172,8 +172,8 @@ void SurfaceContact::search_candidates(const System& system, const Vectors& unit
       continue;
     if (!boxes)
       boxes = &trees_->at(system, onto);
-    // Until the next search, each distance may change by a skin. So a triangle that is up to two skins further away
-    // than the nearest may become the nearest.
+    // Until the next search, each distance may change by `skin`. So a triangle that is now up to twice this length
+    // farther than the nearest one may become the nearest.
     boxes->find_near(p, target.triangles, system.x, search_reach, 2 * settings_.skin, candidates.last_triangle, found);
     store_candidates(system, unit_normals, source.first + k, target, vertex_inside, found, one_way.travel, candidates);
   }
@@ -210,7 +210,7 @@ void SurfaceContact::measure_gaps(const System& system, const Normals& normals, 
         project_onto_edge(p, c.last_triangle, system, unit_normals, target, projection);
     }
     if (projection.triangle < 0)
-      continue; // positions are no longer finite, which the integrator reports
+      continue; // only if positions are not finite, which the integrator reports
     c.last_triangle = projection.triangle;
     c.gap_bound = {p, one_way.travel, -1};
     const Triangle& t = target.triangles[projection.triangle];

@@ -12,8 +12,8 @@ struct ContactSettings {
   double stiffness = 60.0;  ///< kappa, MPa/mm: contact pressure per overlap, beyond the ramp
   double distance = 0.0125; ///< delta, mm: contact begins at this gap
   double ramp = 0.02;       ///< w, mm: overlap over which the stiffness rises from 0 to kappa
-  double skin = 0.2;        ///< mm: a new search is due once a vertex and the surface have together moved by this
-  double friction = 0.1;    ///< Coulomb's coefficient mu
+  double skin = 0.2; ///< mm: nearby triangles are searched again once vertex and surface have together moved by this
+  double friction = 0.1;           ///< Coulomb's coefficient mu
   double friction_stiffness = 2.0; ///< MPa/mm: tangential stress per slip below the friction limit
   /// Gaps are measured to the smooth surface through the triangles' corners (see sagitta()); false: to flat triangles.
   bool smooth = true;
@@ -22,8 +22,9 @@ struct ContactSettings {
 };
 
 /// Factors on the two contact stiffnesses near a surface's edge: 1 inside, 0 at the edge. If contact ended abruptly at
-/// the edge, it would switch on and off for ever. The ordinary stiffness fades over the last row of triangles. Before
-/// the rim of a window (an opening in a surface), the deep stiffness fades only over the last tenth of that row.
+/// the edge, a vertex there would gain and lose contact for ever. The ordinary stiffness fades over the last row of
+/// triangles. Before the rim of a window (an opening in a surface), the deep stiffness fades only over the last tenth
+/// of that row.
 struct ContactFade {
   double ordinary = 1, deep = 1; ///< `deep` includes the factor of stiffen_deep_contacts()
 };
@@ -47,18 +48,18 @@ PenaltyResponse averaged_response(double from, double to, const ContactSettings&
 struct ContactPoint {
   StencilStiffness
       stencil;   ///< the vertex and the triangle's corners with their weights w_k, and the contact's stiffness
-  double area;   ///< of the vertex, mm^2; reduced near an edge by ContactFade::ordinary
+  double area;   ///< area of the vertex, mm^2; reduced near an edge by ContactFade::ordinary
   double gap;    ///< mm
   double force;  ///< N along the normal
   Vec3 friction; ///< friction force, N: opposes the slip, at most mu times the normal force
-  Vec3* slip;    ///< tangential displacement since first touch that friction holds, mm; stored by the contact
-  double* deep_scale = nullptr; ///< factor on this vertex's deep response, stored by the contact; null: always 1
+  Vec3* slip;    ///< tangential displacement (mm) that friction resists; stored by the SurfaceContact
+  double* deep_scale = nullptr; ///< factor on this vertex's deep response; stored by the SurfaceContact; null: always 1
 };
 
 /// Coulomb friction with an elastic slip. The friction force grows with the slip; beyond the friction limit the slip is
 /// shortened until the force equals the limit. Sets the slip, the friction force and the stencil's tangential
-/// stiffness. This stiffness is the force over the slip before it was shortened, so it is never negative. For a sliding
-/// point it is reduced along the slip.
+/// stiffness. The stiffness is a secant, the force divided by the slip before shortening, so it is never negative. For
+/// a sliding point the stiffness along the slip is reduced.
 void add_friction(ContactPoint& point, const ContactSettings& settings);
 
 /// How two surfaces lie to each other, and which of their vertices take no part in their contact. The lists hold a flag
@@ -68,9 +69,9 @@ struct ContactScope {
   bool nested = true; ///< one surface inside the other; false: side by side, with outward normals towards each other
   std::vector<char> inner_excluded, outer_excluded;
   /// Vertices of the outer surface round a window. Contact of the inner vertices fades out towards this rim, as towards
-  /// an open end. The rim's own vertices meet the inner surface like any others. If contact faded out towards the
-  /// excluded vertices instead, these would bear the load of the last row of triangles, but hold nothing off. A device
-  /// would then rise through the window and lie over its edge.
+  /// an open end. The rim's own vertices meet the inner surface like any others. The fade must not end at the excluded
+  /// vertices instead: they would take load from the last row of triangles, but cannot hold a device off. A device
+  /// would rise through the window and lie over its edge.
   std::vector<char> outer_rim = {};
 };
 
@@ -97,7 +98,7 @@ private:
 class SurfaceContact {
 public:
   /// @param inner, outer numbers of the two bodies in the system
-  /// @param trees search trees that the contacts of a system share; null: the contact makes its own
+  /// @param trees search trees that the contacts of a system share; null: the contact makes separate trees
   SurfaceContact(int inner, int outer, const ContactSettings& settings, ContactScope scope = {},
                  std::shared_ptr<SurfaceTrees> trees = {})
       : inner_(inner), outer_(outer), settings_(settings), scope_(std::move(scope)),
@@ -109,7 +110,8 @@ public:
   void detect(const System& system, const Normals& normals, std::vector<ContactPoint>& points, double lookahead_ms = 0);
 
 private:
-  /// An earlier result holds until the motions of the vertex and of the other surface add up to more than `allowance`.
+  /// Tells until when an earlier search or gap is still valid: until the motions of the vertex and of the other surface
+  /// add up to more than `allowance`.
   struct MotionBound {
     Vec3 position;    ///< position of the vertex when the result was found, mm
     double travel;    ///< OneWayContact::travel when the result was found, mm
@@ -121,14 +123,14 @@ private:
   /// The triangles of the other surface that lie near a vertex.
   struct Candidates {
     MotionBound search_bound{Vec3::Zero(), 0, -1},
-        gap_bound = search_bound; ///< when to repeat the search, and when the gap
+        gap_bound = search_bound; ///< when to search again, and when to measure the gap again
     std::vector<int> triangles;   ///< candidates for contact; empty: the surface is far
     int last_triangle = -1;       ///< the triangle that the vertex met last, or that the search found nearest; -1: none
   };
   /// Contact of one body's vertices with the other body's triangles.
   struct OneWayContact {
     std::vector<Candidates> candidates; ///< one for each vertex
-    Vectors slip;                       ///< of each vertex, mm
+    Vectors slip;                       ///< slip of each vertex, mm
     std::vector<double> deep_scale;     ///< factor on the deep response of each vertex
     double travel = 0;                  ///< sum over all calls of the largest displacement of the other body, mm
   };
@@ -154,10 +156,10 @@ private:
   OneWayContact inner_on_outer_, outer_on_inner_;
 };
 
-/// A contact point made permanent. At the offset r0 the tie has the contact's force f0 n, n the normal. Springs resist
-/// every change of the offset: apart, together and tangential.
+/// A contact point made permanent. At the offset r0 the tie exerts the contact's force f0 n, with n the normal. Springs
+/// resist every change of the offset: apart, together and tangential.
 struct Tie {
-  StencilStiffness stencil; ///< of the contact point, with the stiffness of the springs
+  StencilStiffness stencil; ///< stencil of the contact point, with the stiffness of the springs
   Vec3 offset;              ///< r0: weighted sum of the stencil's positions, mm
   double force;             ///< f0, N
 };
@@ -168,7 +170,7 @@ void add_tie_forces(const std::vector<Tie>& ties, const Vectors& x, Vectors& for
 void add_contact_forces(const std::vector<ContactPoint>& points, Vectors& force);
 /// Doubles the stiffness of the second contact response (PenaltyResponse) at each vertex that lies deeper in a surface
 /// than `limit` (mm), up to 64 times its first value. Returns whether any was doubled. The solver then balances the
-/// forces again. Repeated, this penalty update reduces the penetration.
+/// forces again. Repeated updates of the penalty reduce the penetration.
 bool stiffen_deep_contacts(const std::vector<ContactPoint>& points, double limit);
 /// Adds a step's displacements (mm) to the slips of the contact points. The next detect() shortens slips that exceed
 /// the friction limit.

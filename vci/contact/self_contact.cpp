@@ -12,9 +12,9 @@ namespace {
 
 constexpr double layer_reach = 0.15;   // mm: a layer further from a vertex is ignored
 constexpr double facing_cosine = -0.2; // layers face each other if the cosine between their normals is below this
-constexpr double release_cosine = 0.5; // a vertex that has passed through a layer leaves it above this cosine
-// Gap at which contact begins, over the thickness of a layer. The layers of a wrapped balloon lie one thickness apart,
-// less the sagitta of their straight edges.
+constexpr double release_cosine = 0.5; // above this cosine, a vertex that has passed through a layer is released
+// Gap at which contact begins, over the thickness of a layer. With 1 the layers of a wrapped balloon would press on
+// each other at rest: they lie one thickness apart, less the sagitta of their straight edges.
 constexpr double contact_gap_share = 0.9;
 constexpr int maximal_walk = 20;   // largest number of triangles that follow_layer() crosses in one call
 constexpr double ramp_share = 0.4; // overlap over which the stiffness rises, over the thickness
@@ -83,8 +83,8 @@ bool SelfContact::in_own_layer(int vertex, const Triangle& t, int first) const {
   });
 }
 
-/// Updates the closest point of the layer that the vertex faces. It moves from the layer's stored triangle to
-/// neighbouring triangles as long as they are closer to the vertex.
+/// Updates the point of the faced layer that is closest to the vertex. The search begins at the stored triangle and
+/// goes on to neighbouring triangles as long as they are closer.
 void SelfContact::follow_layer(const System& system, int vertex, FacedLayer& layer) const {
   const Body& body = system.body(body_);
   const Vec3& p = system.x[body.first + vertex];

@@ -22,7 +22,7 @@ namespace {
 /// @param weights barycentric: first guess, then the result, which may lie outside the triangle
 bool project_along_normals(const Vec3& p, const Triangle& t, const System& system, const Vectors& unit_normals,
                            Vec3& weights) {
-  // Iterations end at this change of the weights. Each iteration leaves a hundredth of their error or less.
+  // Iterations end once the weights change by less than this. Each one reduces their error to a hundredth or less.
   constexpr double weight_tolerance = 1e-5;
   const Vec3 &a = system.x[t[0]], ab = system.x[t[1]] - a, ac = system.x[t[2]] - a;
   const Vec3 face = ab.cross(ac), pa = p - a;
@@ -84,7 +84,7 @@ bool project_onto_edge(const Vec3& p, int triangle, const System& system, const 
 
 SurfaceProjection project_onto(const Vec3& p, const std::vector<int>& candidates, const System& system,
                                const Vectors& unit_normals, const Body& target, double& distance) {
-  constexpr double candidate_margin = 0.05; // mm: triangles up to this much further away than the closest are tried
+  constexpr double candidate_margin = 0.05; // mm: triangles are tried that are farther than the closest by up to this
   std::vector<SurfaceProjection> projections;
   projections.reserve(candidates.size());
   SurfaceProjection closest;

@@ -21,9 +21,11 @@ struct RingGrid {
 /// The even number (at least 12) of edges of about `edge_mm` round a circumference.
 int even_edge_count(double circumference_mm, double edge_mm);
 
-/// Vertices (mm) of a grid. @param frames place and axes of each ring @param radius of each ring, mm
+/// Vertices (mm) of a grid.
+/// @param frames place and axes of each ring
+/// @param radius radius of each ring, mm
 Vectors place_grid(const RingGrid& grid, const std::vector<Frame>& frames, const std::vector<double>& radius);
-/// Vertices (mm) of a grid along the z axis. Each ring has the radius (mm) times the grid's profile.
+/// Vertices (mm) of a grid along the z axis. Each ring has the radius `radius` (mm) times the ring's profile.
 Vectors straight_grid(const RingGrid& grid, double radius);
 
 /// Edges round the rings, ring by ring, as pairs of the grid's vertices.
@@ -33,17 +35,16 @@ std::vector<double> ring_widths(const RingGrid& grid);
 
 /// Radius (mm) of the circle with the area that each ring encloses.
 std::vector<double> ring_radii(const System& system, int body, const RingGrid& grid);
-/// Diameter (mm) of each ring by its perimeter: that of the circle in which a regular ring of this perimeter is
-/// inscribed.
+/// Diameter (mm) of each ring by its perimeter: the diameter of the circle round a regular polygon with this perimeter.
 std::vector<double> perimeter_diameters(const System& system, int body, const RingGrid& grid);
-/// Area (mm^2) that each ring encloses, projected along the line through the rings' centres. This is the section of the
-/// device's tube, even if the ring is oblique to it.
+/// Area (mm^2) of the device's cross-section at each ring. The area that the ring encloses is projected along the line
+/// through the rings' centres, since a ring may be oblique to this line.
 std::vector<double> ring_section_areas(const System& system, int body, const RingGrid& grid);
 Vectors ring_centres(const System& system, int body, const RingGrid& grid);
 
-/// Turns a body's own vertex indices into the system's, in which the body's first vertex is `first`.
+/// Changes indices within a body into indices within the system, where the body's first vertex is `first`.
 void offset_vertices(std::vector<InteriorEdge>& edges, int first);
-/// A list in which the system's indices find a body's points: `first` zero vectors, then the points.
+/// Puts `first` zero vectors before a body's points, so that the system's vertex indices fit the result.
 Vectors with_leading_zeros(const Vectors& points, int first);
 
 } // namespace vci

@@ -14,7 +14,7 @@ void check_length(const std::string& name, std::size_t length, std::size_t point
                              "give one value for each of the " + std::to_string(points) + " points");
 }
 
-/// The values, or zeros if none are given. Throws if a value is not within [0, most].
+/// The values, or zeros if none are given. Throws if their number is wrong, or if one is not within [0, largest].
 template <class Value>
 std::vector<Value> checked_values(const std::string& name, const std::vector<Value>& values, std::size_t points,
                                   Value largest) {
@@ -47,7 +47,7 @@ PointRows rows_of(const Vectors& points) {
 Lumen lumen_from(const Eigen::Ref<const PointRows>& points, const Eigen::Ref<const TriangleRows>& triangles,
                  const std::vector<double>& radius, const std::vector<double>& plaque,
                  const std::vector<int>& plaque_type, const std::vector<double>& reference_radius) {
-  constexpr double largest_mm = 20; // mm: largest radius or plaque thickness accepted, as in files
+  constexpr double largest_mm = 20; // largest radius or plaque thickness accepted, the same as in files
   Lumen lumen;
   lumen.points = vectors_of(points);
   const std::size_t count = lumen.points.size();

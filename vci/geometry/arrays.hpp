@@ -11,10 +11,10 @@ Vectors vectors_of(const Eigen::Ref<const PointRows>& points);
 PointRows rows_of(const Vectors& points);
 
 /// Makes a lumen without caps from arrays.
-/// @param triangles of the wall; seen from outside their points run counterclockwise
+/// @param triangles triangles of the wall; seen from outside their points run counterclockwise
 /// @param radius local radius of the lumen at each point, mm
 /// @param plaque thickness of the plaque at each point, mm; empty: no plaque
-/// @param plaque_type at each point: 0 none, 1 fibrous, 2 lipid, 3 calcified; empty: 0 everywhere
+/// @param plaque_type type of the plaque at each point: 0 none, 1 fibrous, 2 lipid, 3 calcified; empty: 0 everywhere
 /// @param reference_radius radius without disease at each point, mm; empty: not known
 /// Throws common::InputError for arrays of different lengths, a triangle that names a missing point, a value that is
 /// not finite, or an unknown plaque type.

@@ -9,8 +9,8 @@ struct AxisPoint {
   double s = 0; ///< arc length, mm
 };
 
-/// Finds the nearest place on the axis of a branch, a polyline. Groups of its pieces lie within bounding spheres, so
-/// that far groups are skipped. The axis is not extended beyond the path's points.
+/// Finds the nearest place on the axis of a branch, a polyline. Consecutive pieces form groups with bounding spheres,
+/// so that far groups are skipped. The axis is not extended beyond the path's points.
 class AxisSearch {
 public:
   explicit AxisSearch(const Path& path);

@@ -15,7 +15,7 @@ using Node = fcl::detail::NodeBase<Box>;
 struct BroadPhase::Tree {
   fcl::detail::HierarchyTree<Box> hierarchy;
   std::vector<Node*> leaves;
-  std::vector<int> vertices; ///< of the triangles, ascending
+  std::vector<int> vertices; ///< vertices of the triangles, ascending
   Vectors fitted_positions;  ///< positions of these vertices when the boxes were last fitted, mm
   double largest_move = 0;   ///< largest displacement of a vertex since then, mm
 };

@@ -8,12 +8,12 @@ namespace vci {
 struct NearTriangle {
   int triangle;
   double distance; ///< mm
-  Vec3 weights;    ///< barycentric, of the closest point
+  Vec3 weights;    ///< barycentric weights of the closest point
 };
 
 class BroadPhase {
 public:
-  /// Boxes round the triangles at positions x.
+  /// Builds boxes round the triangles at positions x (mm).
   BroadPhase(const Triangles& triangles, const Vectors& x);
   ~BroadPhase();
   BroadPhase(BroadPhase&&) noexcept;

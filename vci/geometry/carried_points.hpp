@@ -1,4 +1,4 @@
-// Points that a surface on longer edges carries along.
+// Points of a fine surface that move with a coarser surface.
 #pragma once
 #include "vci/linalg/types.hpp"
 
@@ -9,8 +9,8 @@ namespace vci {
 /// The displacement of a point follows from values and gradients at the corners of the triangle nearest to it:
 ///   u = sum_i w_i (u_i + G_i (q - x_i) / 2) + (sum_i w_i G_i) (p - q),
 /// with the barycentric weights w_i of the nearest point q. G_i is the gradient that fits the displacements of the
-/// corner's neighbours best (least squares). Shifts, rotations and uniform widening, which are affine, are met, and
-/// along the surface the error is of third order in the edge.
+/// corner's neighbours best (least squares). Affine motions (shifts, rotations, uniform widening) are reproduced. Along
+/// the surface the error is of third order in the edge length.
 class CarriedPoints {
 public:
   /// @param triangles, undeformed the surface before its deformation, mm
@@ -27,8 +27,8 @@ public:
 private:
   Triangles triangles_;
   Vectors undeformed_, points_;
-  std::vector<int> nearest_triangle_; ///< triangle of each point
-  Vectors weights_;                   ///< in that triangle, barycentric
+  std::vector<int> nearest_triangle_; ///< triangle nearest to each point
+  Vectors weights_;                   ///< barycentric weights of the nearest point of that triangle
   std::vector<double> distances_;
 };
 

@@ -81,7 +81,7 @@ Path follow_wall(const Path& path, const Lumen& lumen, const Vectors& current_po
     if (weight > 0)
       shifted[k] += sum / weight;
   }
-  // Each point follows its own section of wall, which leaves kinks in the path. They are smoothed; the ends stay.
+  // Neighbouring points follow different sections of the wall, which leaves kinks. They are smoothed; the ends stay.
   for (int pass = 0; pass < 4; ++pass)
     for (std::size_t k = 1; k + 1 < shifted.size(); ++k)
       shifted[k] = 0.5 * shifted[k] + 0.25 * (shifted[k - 1] + shifted[k + 1]);

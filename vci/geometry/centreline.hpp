@@ -21,8 +21,8 @@ public:
   Vec3 tangent(double s) const; ///< unit vector along the chord of 1 mm round s
   /// Total angle (rad) by which the path turns from s_start to s_end (mm). The path is divided into at least two pieces
   /// of about `piece_mm`, and a direction is fitted to each. The result is the sum of the angles between neighbouring
-  /// directions. Short chords would add up the scatter of the points. The angle between the two ends would miss bends
-  /// that cancel. Bends within half a piece of either end are not counted.
+  /// directions. With short pieces the scatter of the points would add up. The angle between the directions at both
+  /// ends would miss bends that cancel. Bends within half a piece of either end are not counted.
   double turning(double s_start, double s_end, double piece_mm) const;
   std::vector<Frame> frames(const std::vector<double>& s) const;
   const Vectors& points() const { return points_; }
@@ -34,9 +34,9 @@ private:
   std::vector<double> s_;
 };
 
-/// The path of a branch after its wall has moved. Each point moves by the mean displacement of the wall round it, of
-/// wall points within 0.5 mm along the axis and about 1.5 local radii. The new path's arc length is measured along its
-/// own points, from the same start value.
+/// The path of a branch after the wall has moved. Each point moves by the weighted mean displacement of the wall points
+/// near it: within 0.5 mm along the axis and about 1.5 local radii. The path is then smoothed. Arc lengths are measured
+/// along the new path from the same start value.
 /// @param current_points current positions of the lumen's points, mm
 Path follow_wall(const Path& path, const Lumen& lumen, const Vectors& current_points);
 

@@ -7,7 +7,7 @@ namespace vci {
 struct Lumen {
   Vectors points; ///< mm
   Triangles triangles;
-  std::vector<int> region;              ///< of each triangle: 0 for the wall, other numbers for caps
+  std::vector<int> region;              ///< region of each triangle: 0 for the wall, other numbers for caps
   std::vector<double> radius;           ///< local lumen radius at each point, mm
   std::vector<double> plaque;           ///< plaque thickness, mm
   std::vector<int> plaque_type;         ///< 0 none, 1 fibrous, 2 lipid, 3 calcified

@@ -11,11 +11,13 @@ namespace {
 
 /// A point where the plane meets the smooth surface, near an edge of a triangle.
 struct PlaneCrossing {
-  Vec3 point, normal; ///< normal: of the surface, interpolated
+  Vec3 point, normal; ///< mm; interpolated normal of the surface
 };
 
 /// The plane cuts the edge from a to b at the share t of its length. Returns the point of the smooth surface that lies
-/// beside this cut in the plane. @param unit_normals unit normals of the vertices @param plane unit normal of the plane
+/// beside this cut in the plane.
+/// @param unit_normals unit normals of the vertices
+/// @param plane unit normal of the plane
 PlaneCrossing crossing_at(int a, int b, double t, const Vectors& points, const Vectors& unit_normals,
                           const Vec3& plane) {
   const Vec3 side = points[b] - points[a], turn = unit_normals[b] - unit_normals[a];

@@ -22,7 +22,7 @@ inline Vec3 area_vector(const Triangle& t, const Vectors& x) {
   return 0.5 * (x[t[1]] - x[t[0]]).cross(x[t[2]] - x[t[0]]);
 }
 
-/// A third of the area vectors of the triangles round each vertex, for vertices [first, first + count).
+/// Area vector (mm^2) of each vertex in [first, first + count): a third of those of the triangles round it.
 Vectors vertex_area_vectors(const Triangles& triangles, const Vectors& x, int first, int count);
 
 /// Distance (mm), along the normals, from a point of a triangle to the smooth surface through the triangle's corners.

@@ -19,7 +19,7 @@ BlockMatrix::BlockMatrix(BlockPattern pattern) {
   }
   entry_slot_.resize(entry_column_.size());
   diagonal_entry_.resize(n);
-  std::vector<int> next(n); // for each row, its first entry below the diagonal whose values are not yet known
+  std::vector<int> next(n); // for each row, the first entry below the diagonal that has no slot yet
   int count = 0;
   for (int i = 0; i < n; ++i) {
     next[i] = row_start_[i];
@@ -28,7 +28,7 @@ BlockMatrix::BlockMatrix(BlockPattern pattern) {
   for (int i = 0; i < n; ++i)
     for (int k = diagonal_entry_[i]; k < row_start_[i + 1]; ++k) {
       entry_slot_[k] = count;
-      // rows i come in ascending order, so the entries of row entry_column_[k] are set in their order
+      // Rows i come in ascending order, so each row gets the slots of its entries below the diagonal in column order.
       if (entry_column_[k] > i)
         entry_slot_[next[entry_column_[k]]++] = count;
       ++count;

@@ -6,11 +6,11 @@
 namespace vci {
 
 /// The matrix restricted to displacements that shift each patch of neighbouring vertices as a whole (aggregation
-/// without smoothing, Vanek et al. 1996). It corrects long waves along the vessel and shifts of whole devices in one
-/// step, for which block Jacobi would need many iterations.
+/// without smoothing, Vanek et al. 1996). It corrects errors that are long waves along the vessel, or shifts of whole
+/// devices, at once. Block Jacobi would need many iterations for them.
 class CoarseSpace {
 public:
-  /// @param fixed flag of each vertex: held in place, and in no patch
+  /// @param fixed whether each vertex is held in place; such vertices belong to no patch
   /// @param patch_size largest number of vertices in a patch
   CoarseSpace(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils, const std::vector<char>& fixed,
               int patch_size);

@@ -33,7 +33,7 @@ public:
   LinearOperator(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
                  const std::vector<char>& fixed)
       : matrix_(matrix), fixed_(fixed) {
-    values_.resize(9 * static_cast<std::size_t>(matrix.entries()) + 1); // + 1, as a column is read as four numbers
+    values_.resize(9 * static_cast<std::size_t>(matrix.entries()) + 1); // + 1: the last three are read as four
     for (int i = 0; i < matrix.rows(); ++i)
       for (int k = matrix.row_start(i); k < matrix.row_start(i + 1); ++k) {
         const double* a = matrix.block(matrix.entry_slot(k)).data();

@@ -105,8 +105,8 @@ private:
   std::shared_ptr<const CoarseSpace> coarse_;
 };
 
-/// The preconditioner's second level; null for none. The one made for an earlier matrix is used again for a few solves,
-/// unless the number of iterations has grown much.
+/// The preconditioner's second level; null for none. A second level made for an earlier matrix is used again for a few
+/// solves, unless record_iterations() has dropped it.
 std::shared_ptr<const CoarseSpace> cached_coarse_space(const BlockMatrix& matrix,
                                                        const std::vector<StencilStiffness>& stencils,
                                                        const std::vector<char>& fixed, int patch_size,
@@ -122,7 +122,7 @@ std::shared_ptr<const CoarseSpace> cached_coarse_space(const BlockMatrix& matrix
 }
 
 void record_iterations(int iterations, PreconditionerCache& cache) {
-  // a second level is dropped above this multiple of its first solve's iterations, plus 2
+  // The second level is dropped after a solve with more iterations than this multiple of its first solve's, plus 2.
   constexpr double allowed_growth = 1.3;
   if (cache.age == 0)
     cache.first_iterations = iterations;

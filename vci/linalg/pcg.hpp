@@ -15,17 +15,17 @@ struct PcgSettings {
   int patch_size = 0;            ///< largest number of vertices in a patch of the second level; 0: block Jacobi alone
   bool single_precision = false; ///< iterate in single precision, which suffices for tolerances of 1e-4 and more
   bool unpreconditioned = false; ///< no preconditioner at all
-  /// A second tolerance, for the residual in the norm of the preconditioner, relative to the first residual. This norm
-  /// approximates the energy of the error, while a few vertices deep in contact dominate the plain residual. Both
-  /// tolerances must be met.
+  /// A second tolerance, which must also be met. It is for the residual in the norm of the preconditioner, relative to
+  /// the first residual. This norm approximates the energy of the error. The plain residual is dominated by a few
+  /// vertices deep in contact.
   double preconditioned_tolerance = std::numeric_limits<double>::infinity();
 };
 
-/// The preconditioner's second level, kept from earlier solves for the next ones.
+/// The preconditioner's second level, kept for the next solves.
 struct PreconditionerCache {
   std::shared_ptr<const CoarseSpace> coarse;
   int age = 0;              ///< number of solves that have used this second level
-  int first_iterations = 0; ///< number of iterations of the solve for which it was made
+  int first_iterations = 0; ///< iterations of the solve for which the second level was made
 };
 
 struct SolveResult {

@@ -14,21 +14,22 @@ public:
   virtual ForceKind kind() const { return ForceKind::elastic; }
   /// Energy in N mm at positions x (mm).
   virtual double energy(const Vectors& x) const = 0;
-  /// Adds -dE/dx (N) to `force` and, if given, d2E/dx2 (N/mm) to `stiffness`, with which link() was called before.
-  /// With `exact` false, negative eigenvalues of the element Hessians are left out, so that the matrix stays positive.
+  /// Adds -dE/dx (N) to `force` and, if given, d2E/dx2 (N/mm) to `stiffness`, the matrix of the last locate_blocks().
+  /// With `exact` false, negative eigenvalues of element Hessians are left out, so that the matrix stays positive.
   virtual void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact = false) const = 0;
   /// Declares the pairs of vertices that interact, so that the matrix gets blocks for them.
   virtual void declare_stencils(BlockPattern& pattern) const = 0;
   /// Looks up where the matrix stores the blocks of these pairs.
   virtual void locate_blocks(const BlockMatrix& matrix) = 0;
-  /// Adds rate (1/ms) times the damping matrix (N ms/mm) of forces that have one; mass (g) per vertex.
+  /// Adds rate (1/ms) times the force's damping matrix (N ms/mm), if there is one.
+  /// @param mass mass of each vertex, g
   virtual void add_damping(const Vectors& x, const std::vector<double>& mass, double rate, BlockMatrix& matrix) const {
     (void)x, (void)mass, (void)rate, (void)matrix;
   }
   /// Makes plastic flow at x permanent.
   virtual void commit(const Vectors& x) { (void)x; }
-  /// Whether the displacements dx (mm) turn back a plastic flow that the stiffness took to go on, beyond the elastic
-  /// strain. The next call of evaluate() then gives the elastic stiffness.
+  /// Whether the displacements dx (mm) reverse a plastic flow by more than the elastic strain, although the stiffness
+  /// was computed for continued flow. If so, the next call of evaluate() gives the elastic stiffness.
   virtual bool stop_reversed_flow(const Vectors& x, const Vectors& dx) {
     (void)x, (void)dx;
     return false;
@@ -51,7 +52,7 @@ public:
   }
   /// The element's local vertex numbers (0 to N - 1), in ascending order of their vertices in the system.
   const std::array<int, N>& order() const { return order_; }
-  /// Adds block(a, b) for each pair of local numbers a and b of which a's vertex does not come after b's.
+  /// Adds block(a, b) for each pair of local numbers a, b for which a's vertex does not come after b's in the system.
   template <class Block> void add(BlockMatrix& matrix, const Block& block) const {
     std::size_t k = 0;
     for (std::size_t i = 0; i < N; ++i)

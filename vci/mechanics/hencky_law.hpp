@@ -41,8 +41,8 @@ struct HenckyLaw {
   }
   /// The part of w that is elastic once the layer yields. Times E it gives the equivalent stress.
   double elastic_part(double w) const { return yield_strain + hardening * (w - yield_strain); }
-  /// Lets the layer yield and harden at a logarithmic strain of the lumen. Returns the part of that strain that stays.
-  /// Later strains must be given without this part.
+  /// Lets the layer yield and harden at a logarithmic strain of the lumen. Returns the permanent part of this strain.
+  /// The caller must subtract it from later strains.
   Vec2 flow(const Vec2& log_strain);
 
 private:
@@ -50,7 +50,8 @@ private:
   double strain_squared(const Vec2& e) const {
     return (e.squaredNorm() + 2 * poisson_ratio * e[0] * e[1]) / (1.0 - poisson_ratio * poisson_ratio);
   }
-  /// The layer's logarithmic strain. @param squared_stretch squared principal stretches of the lumen
+  /// The layer's logarithmic strain.
+  /// @param squared_stretch squared principal stretches of the lumen
   Vec2 layer_strain(const Vec2& squared_stretch) const {
     return 0.5 * ((squared_stretch.array() + depth) / (1 + depth)).log();
   }

@@ -13,8 +13,8 @@ Dihedral dihedral(const Vec3& e0, const Vec3& e1, const Vec3& left, const Vec3& 
   d.angle = std::atan2(n1.cross(n2).dot(e) / l, n1.dot(n2));
   const Vec3 g2 = -l / n1.squaredNorm() * n1, g3 = -l / n2.squaredNorm() * n2;
   const double t2 = (left - e0).dot(e) / l2, t3 = (right - e0).dot(e) / l2;
-  // A rigid motion changes no angle. This determines the gradients at the ends of the edge. Their shares depend on
-  // where the triangle's height meets the edge.
+  // Rigid motions do not change the angle, so g2 and g3 determine the gradients at the ends of the edge. How they are
+  // shared depends on where each triangle's height meets the edge.
   d.gradient = {-(1 - t2) * g2 - (1 - t3) * g3, -t2 * g2 - t3 * g3, g2, g3};
   return d;
 }

@@ -40,7 +40,7 @@ std::vector<double> shell_coefficients(const std::vector<InteriorEdge>& edges, c
 /// Signed dihedral angle (rad; 0 flat, positive when the surface is convex towards its normals) and its gradient.
 struct Dihedral {
   double angle;
-  std::array<Vec3, 4> gradient; ///< by the positions of e0, e1, left and right, rad/mm
+  std::array<Vec3, 4> gradient; ///< with respect to the positions of e0, e1, left and right, rad/mm
 };
 /// @param e0, e1 ends of the edge
 /// @param left, right the opposite vertices of the two triangles beside the edge

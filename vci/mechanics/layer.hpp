@@ -4,7 +4,7 @@
 
 namespace vci {
 
-/// What a layer reports besides its forces.
+/// What a layer of the wall reports besides its forces.
 class Layer {
 public:
   virtual ~Layer() = default;

@@ -60,9 +60,9 @@ PrincipalStretches principal_stretches(const Mat32& f) {
 /// belong to two scalings, to twist and shear in the plane, and to two motions out of the plane. Without `exact`,
 /// negative eigenvalues are left out.
 struct EnergyHessian {
-  Mat2 scaling;                       ///< of the principal stretches with one another
-  double with_itself, with_transpose; ///< of F_ij with itself and with F_ji, i != j
-  Vec2 out_of_plane;                  ///< of the motion out of the plane along each principal direction
+  Mat2 scaling;                       ///< second derivatives by the principal stretches
+  double with_itself, with_transpose; ///< second derivatives by F_ij twice, and by F_ij and F_ji, i != j
+  Vec2 out_of_plane;                  ///< second derivative by the motion out of plane along each direction
 };
 
 EnergyHessian energy_hessian(const PrincipalStretches& p, const HenckyLaw::Response& r, const Vec2& sigma, bool exact) {

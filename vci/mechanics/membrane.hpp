@@ -12,7 +12,7 @@ namespace vci {
 class Membrane : public Force, public Layer {
 public:
   /// @param reference positions (mm) of the unstressed state
-  /// @param laws one for each triangle
+  /// @param laws law of each triangle
   /// Throws std::invalid_argument for a triangle without area.
   Membrane(const Triangles& triangles, const Vectors& reference, std::vector<HenckyLaw> laws);
 
@@ -32,7 +32,7 @@ private:
     StencilSlots<3> slots;
     Mat2 inverse_edges;         // B
     Mat2 elastic_inverse_edges; // B P
-    double area;                // of the reference triangle, mm^2
+    double area;                // area of the reference triangle, mm^2
     HenckyLaw law;
     bool flowed = false; // whether the last step made plastic strain permanent
   };

@@ -6,9 +6,9 @@
 namespace vci {
 
 /// Force p times a third of the area vectors of the triangles round each vertex. On a closed surface it derives from
-/// E = -p V. Its stiffness is symmetric except at open edges, where it is left out. It is indefinite: pressure bends a
-/// balloon further, the axial tension straightens it, and the two almost cancel. Half the stiffness keeps the sum
-/// positive and still lets the balloon bend; with `exact` the whole stiffness is used.
+/// E = -p V. The stiffness is symmetric except at open edges, where it is left out. It is also indefinite: if a balloon
+/// bends, the pressure bends it further and the axial tension straightens it, and the two almost cancel. Half of the
+/// stiffness keeps the sum positive and still lets the balloon bend. With `exact` the whole stiffness is used.
 class Pressure : public Force {
 public:
   /// @param reference positions (mm) that `triangles` index

@@ -17,8 +17,11 @@ struct Body {
 
 class System {
 public:
-  /// Adds a body and returns its number. @param positions mm @param triangles indices into `positions`
-  /// @param surface_density g/mm^2 @param fixed a flag for each vertex: held in place
+  /// Adds a body and returns its number.
+  /// @param positions positions of the vertices, mm
+  /// @param triangles indices into `positions`
+  /// @param surface_density g/mm^2
+  /// @param fixed whether each vertex is held in place
   int add_body(const std::string& name, const Vectors& positions, Triangles triangles, double surface_density,
                const std::vector<char>& fixed);
   /// Adds a force that belongs to a body and is removed with it.

@@ -40,13 +40,13 @@ std::string progress_line(const StageReport& stage, const System& system) {
   throw convergence_error(where, r, run.scene.numerics.integrator, run.system);
 }
 
-/// Sets pressures, balloons and ties for a stage before it is relaxed; returns the solver's settings for it.
+/// Sets pressures, balloons and ties before a stage is relaxed. Returns the solver's settings for this stage.
 IntegratorSettings prepare_stage(RunState& run, const Step& step, const Stage& stage) {
   if (!stage.with_balloons)
     remove_balloons(run);
   for (std::size_t k = 0; k < run.balloons.size(); ++k)
     set_pressure(run.balloons[k], stage.pressure_fraction * step.devices[k].pressure_bar * mpa_per_bar);
-  // during an inflation stents slide along the wall as they open; new ties are made at its end
+  // During an inflation stents slide along the wall as they open. New ties are made at its end.
   if (stage.with_balloons)
     run.interactions.ties.clear();
   IntegratorSettings settings = run.scene.numerics.integrator;
@@ -100,7 +100,7 @@ public:
     if (failed_ || steps_done == state.scene.procedure.size())
       throw std::logic_error(failed_ ? "a step of this procedure has failed" : "all steps of the procedure are done");
     const Step& step = state.scene.procedure[steps_done];
-    failed_ = true; // stays so if an exception ends the step
+    failed_ = true; // remains true if an exception ends the step
     place_devices(state, step);
     for (const Stage& stage : stages_of(step, state.scene.numerics))
       relax_stage(step, stage);
@@ -113,7 +113,7 @@ public:
     r.points = state.current_lumen();
     for (const auto& [name, path] : state.paths)
       r.paths[name] = follow_wall(path, state.lumen, r.points);
-    // checked only at the end, because a stent that touches nothing may still be dilated by a later step
+    // Checked only at the end, because a later step may still dilate a stent that touches nothing.
     check_stents_supported(state.system, state.interactions, state.stents, r.points, state.lumen.triangles, r.paths);
     r.stages = stages;
     r.stents = state.stents;

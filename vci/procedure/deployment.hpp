@@ -17,7 +17,7 @@ struct DeploymentResult {
   std::vector<StageReport> stages;
   std::vector<StentHistory> stents;
   std::vector<DeviceShape> devices;                ///< balloons inflated, in the order of their steps, then stents
-  std::vector<std::string> switched_off, warnings; ///< texts: parts of the model that the run left out, and warnings
+  std::vector<std::string> switched_off, warnings; ///< texts: parts of the model left out, and warnings
   Vectors points;                                  ///< lumen points at the end, mm
   std::vector<double> wall_stretch;                ///< per lumen point: largest principal stretch
   std::vector<double> malapposition; ///< per lumen point: gap between wall and stent, mm; 0 where no stent faces it
@@ -44,12 +44,12 @@ public:
   Deployment(Deployment&&) noexcept;
   Deployment& operator=(Deployment&&) noexcept;
 
-  /// Number of steps in the scene's procedure, and number of those that have run.
+  /// Number of steps in the scene's procedure, and number of the steps that have run.
   std::size_t steps() const;
   std::size_t steps_done() const;
-  /// Runs the next step: places its devices, inflates them and, except for stents, takes them out. Throws
-  /// common::ComputationError, which names step, stage, residual and remedy, if a stage does not reach force balance.
-  /// Throws std::logic_error if no step is left, or if an earlier one failed.
+  /// Runs the next step: places its devices, inflates its balloons and takes them out; stents stay. If a stage does not
+  /// reach force balance, throws common::ComputationError, which names step, stage, residual and remedy. Throws
+  /// std::logic_error if no step is left, or if an earlier one failed.
   void step();
   /// Current positions (mm) of the lumen's points, in the lumen's order.
   Vectors lumen() const;

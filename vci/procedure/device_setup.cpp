@@ -12,7 +12,8 @@ constexpr double least_balloon_radius = 0.04; // mm: least starting radius of a 
 // A ring of a balloon inside its stent starts with at most this share of the stent's smallest radius, less a clearance.
 constexpr double stent_radius_share = 0.9;
 
-/// The rings of a device at its place on the axis of the deformed lumen. @param moved current lumen points, mm
+/// The rings of a device at its place on the axis of the deformed lumen.
+/// @param moved current lumen points, mm
 DeviceLayout layout_of(const RunState& run, const Placement& p, RingGrid grid, const Vectors& moved) {
   const Path path = follow_wall(run.paths.at(p.branch), run.lumen, moved);
   std::vector<Frame> frames = path.frames(grid.ring_arc_lengths(p.centre_s));
@@ -21,8 +22,8 @@ DeviceLayout layout_of(const RunState& run, const Placement& p, RingGrid grid, c
   return {std::move(grid), std::move(frames), 0.5 * chart.diameter_at(p.pressure_bar)};
 }
 
-/// For each body in the system, the vertices excluded from contact with a new device. Vertices are excluded where the
-/// device leaves a stent through its side.
+/// For each body in the system, the vertices excluded from contact with a new device: those at a window through which
+/// the device leaves a stent.
 std::vector<ContactScope> contact_scopes(const RunState& run, const DeviceLayout& layout) {
   std::vector<ContactScope> scopes(run.system.bodies());
   for (const StentHistory& h : run.stents)
@@ -36,7 +37,7 @@ void add_contacts(RunState& run, int inner, std::vector<ContactScope> scopes) {
                                            std::move(scopes[body]), run.interactions.trees);
 }
 
-/// Adds a stent and its contacts to the system. Returns the radius (mm) of the stent's thinnest ring.
+/// Adds a stent and its contacts to the system. Returns the radius (mm) of the stent's narrowest ring.
 double place_stent(RunState& run, const Placement& p, const Vectors& moved) {
   const StentSpec& spec = *run.scene.stent(p.device);
   const DeviceLayout layout = layout_of(run, p, stent_grid(spec, run.scene.numerics.device_edge), moved);
@@ -48,8 +49,8 @@ double place_stent(RunState& run, const Placement& p, const Vectors& moved) {
   return *std::min_element(radii.begin(), radii.end());
 }
 
-/// The balloon of a placed device. The chart of a delivery balloon holds with the stent on it, so the balloon alone is
-/// softer.
+/// The balloon of a placed device. Makers measure the chart of a delivery balloon with the stent on it, so the balloon
+/// alone is softer.
 BalloonSpec balloon_alone(const Scene& scene, const std::string& device) {
   BalloonSpec balloon = scene.balloon(device);
   if (const auto& stent = scene.stent(device))
@@ -90,7 +91,7 @@ void place_devices(RunState& run, const Step& step) {
   const Vectors moved = run.current_lumen();
   run.balloons.clear();
   const std::vector<DeviceLayout> layouts = balloon_layouts(run, step, moved);
-  // stents first: balloons are taken out at the end of the step and must be the last bodies
+  // Stents first: balloons are taken out at the end of the step, and only the last bodies can be taken out.
   std::vector<std::vector<ContactScope>> scopes;
   std::vector<std::vector<double>> radii;
   for (std::size_t k = 0; k < layouts.size(); ++k) {

@@ -8,15 +8,15 @@
 namespace vci {
 
 /// Texts that name the parts of the model that a run leaves out.
-/// @param held number of the lumen's vertices outside its moving part
+/// @param held number of the lumen's vertices that are held in place
 /// @param vertices number of all the lumen's vertices
 std::vector<std::string> switched_off_parts(const Scene& scene, std::size_t held, std::size_t vertices);
 
 /// A warning for each inflation above the balloon's rated burst pressure.
 std::vector<std::string> warnings_of_plan(const Scene& scene);
 
-/// The warning that rings of a stent are opened beyond its maximal diameter; nothing if none is. A ring's perimeter
-/// limits its struts, whatever its shape. So the diameter compared is that of the circle with the same perimeter.
+/// The warning that rings of a stent are opened beyond the maximal diameter; nothing if no ring is. The struts limit a
+/// ring's perimeter, whatever the ring's shape. So the diameter of a circle with this perimeter is compared.
 /// @param step name of the step, for the message
 std::optional<std::string> overexpansion_warning(const System& system, const StentHistory& history,
                                                  const StentSpec& spec, const std::string& step);

@@ -8,9 +8,8 @@ namespace vci {
 
 namespace {
 
-// Distances between the axes of a device and of a stent, in stent radii. A device that comes further off than
-// `exit_offset` leaves the stent through its side. Its rings further off than `window_offset` open a window in the
-// stent.
+// Distances of a device's axis from a stent's axis, in stent radii. A device with a ring beyond `exit_offset` leaves
+// the stent through its side. Its rings beyond `window_offset` then open a window in the stent.
 constexpr double exit_offset = 0.6;
 constexpr double window_offset = 0.3;
 constexpr double axis_tolerance = 0.15; // mm by which the axes of nested devices may differ
@@ -18,7 +17,7 @@ constexpr double axis_tolerance = 0.15; // mm by which the axes of nested device
 /// The place nearest to p on the line through the centres of a device's rings.
 struct AxisProjection {
   Vec3 point;
-  double radius; ///< of the device there, between its rings, mm
+  double radius; ///< device's radius there, interpolated between its rings, mm
   bool past_end; ///< whether p is past the line's ends
 };
 AxisProjection project_onto_axis(const Vec3& p, const Vectors& centres, const std::vector<double>& radii) {
@@ -38,7 +37,7 @@ AxisProjection project_onto_axis(const Vec3& p, const Vectors& centres, const st
 }
 
 /// Flags the vertices round a window: those that are not in the window, but have a neighbour in it.
-/// @param window flag of each of the body's vertices: in the window
+/// @param window whether each of the body's vertices lies in the window
 std::vector<char> window_rim(const std::vector<char>& window, const Body& body) {
   std::vector<char> rim(window.size(), 0);
   for (const Triangle& t : body.triangles)
@@ -60,7 +59,7 @@ Vectors frame_origins(const DeviceLayout& layout) {
 ContactScope exclude_side_exit(const System& system, const Stent& stent, const DeviceLayout& device) {
   const Vectors axis = ring_centres(system, stent.body, stent.grid), device_axis = frame_origins(device);
   const std::vector<double> radii = ring_radii(system, stent.body, stent.grid);
-  std::vector<double> offset; // of each device ring from the stent's axis, in stent radii; 0 past the stent's ends
+  std::vector<double> offset; // distance of each device ring from the stent's axis, in stent radii; 0 past its ends
   for (const Vec3& o : device_axis) {
     const AxisProjection a = project_onto_axis(o, axis, radii);
     offset.push_back(a.past_end ? 0 : (o - a.point).norm() / a.radius);

@@ -7,7 +7,7 @@ namespace vci {
 namespace {
 
 // Least share of the inflation pressure in the first stage of a stent's step. A crimped stent opens only beyond its
-// yield pressure (some 7 bar). With a lower pressure it would not reach the wall.
+// yield pressure (some 3 bar, plus what unfolds the balloon). With a lower pressure it would not reach the wall.
 constexpr double stent_opening_fraction = 0.75;
 
 } // namespace

@@ -1,4 +1,4 @@
-// The stages of a procedure's steps: the solver relaxes three stages for each step, one after the other.
+// The stages of a procedure's steps. For each step the solver relaxes three stages, one after the other.
 #pragma once
 #include "vci/scene/scene.hpp"
 
@@ -9,7 +9,7 @@ struct Stage {
   std::string name;
   double pressure_fraction; ///< pressure in the balloons over the step's pressure
   bool with_balloons;       ///< false: the balloons are taken out first
-  bool ties_stents;         ///< at its end the stents are tied to the wall where they touch it
+  bool ties_stents;         ///< at the stage's end stents are tied to the wall where they touch it
 };
 
 /// The three stages of a step: inflation with a part of the pressure, with all of it, and extraction of the balloons.

@@ -8,17 +8,17 @@ namespace vci {
 
 namespace {
 
-constexpr double blend_length = 3.0; // mm beyond the device's ends over which the radius returns to the original
+constexpr double blend_length = 3.0; // mm beyond a device's ends over which the original radius is reached
 
-/// A span of a branch that is to get a radius.
+/// A span of a branch, and the radius that the lumen gets there.
 struct SpanTarget {
   const Path* path;
   double s_start, s_end, radius; ///< mm
   double recoil_factor;          ///< final radius after recoil over the inflated radius
 };
 
-/// One target for each stent, its radius from the largest balloon inflated in the stent. If the scene has no stent, one
-/// target for each balloon.
+/// One target for each stent; the largest balloon inflated in the stent gives the radius. If the scene has no stent,
+/// one target for each balloon.
 std::vector<SpanTarget> targets_of(const Scene& scene, const std::map<std::string, Path>& paths) {
   std::vector<SpanTarget> stents, balloons;
   for (const Step& step : scene.procedure)
@@ -43,8 +43,8 @@ std::vector<SpanTarget> targets_of(const Scene& scene, const std::map<std::strin
   return stents.empty() ? balloons : stents;
 }
 
-/// Share of the change of radius at arc length s (mm): 1 within the target's span. Beyond its ends a cubic with zero
-/// end slopes falls to 0 over blend_length.
+/// Share of the change of radius that is applied at arc length s (mm). It is 1 within the target's span. Beyond the
+/// span's ends it falls to 0 over blend_length, as a cubic with zero end slopes.
 double weight_at(double s, const SpanTarget& t) {
   const double beyond_span = std::max({t.s_start - s, s - t.s_end, 0.0}) / blend_length;
   return beyond_span >= 1 ? 0.0 : 1 - beyond_span * beyond_span * (3 - 2 * beyond_span);
@@ -80,14 +80,14 @@ public:
   }
 
 private:
-  static constexpr double spacing = 0.25; ///< of the points, mm
+  static constexpr double spacing = 0.25; ///< distance between the points, mm
   Vectors points_;
   std::vector<double> radius_;
   double step_;
 };
 
-/// Arc length (mm) of the section of the path through p, searched from `first` to `last` (mm). A section is
-/// perpendicular to the path's direction over a millimetre. If sections followed the polyline's single pieces, a wall
+/// Arc length (mm) at which the path's cross-section contains p, searched from `first` to `last` (mm). A cross-section
+/// is perpendicular to a chord of 1 mm of the path. If it were perpendicular to a single piece of the polyline, a wall
 /// that moves far outwards would cross itself at the polyline's corners.
 double section_arc_length(const Vec3& p, const Path& path, double first, double last) {
   double nearest = 1e300, place = 0;
@@ -104,9 +104,9 @@ double section_arc_length(const Vec3& p, const Path& path, double first, double 
   return 0.5 * (low + high);
 }
 
-/// New distance from the axis (mm) of a point at distance r. The branch's own wall moves from `radius` to `target`.
-/// Walls outside it, of a side branch or a neighbour, move by a share that fades to 0 over twice the change of radius.
-/// The new distance rises with r, so that no wall passes through another.
+/// New distance (mm) from the axis for a wall point at distance r. The wall of the branch itself moves from `radius` to
+/// `target`. Walls of other branches, farther out, move by a share that fades to 0 over twice the change of radius. The
+/// new distance increases with r, so that no wall passes through another.
 double new_distance(double r, double radius, double target, bool own_wall) {
   if (own_wall)
     return target;

@@ -9,8 +9,7 @@ namespace vci {
 namespace {
 
 /// For each point the branch whose axis is nearest, and the arc length (mm) of the nearest place on that axis. The
-/// distance has no limit: the far walls of a flat lumen are many radii of the inscribed sphere from the axis, and still
-/// belong to the branch.
+/// distance has no limit: the far walls of a flat lumen lie many radii from the axis, and still belong to the branch.
 std::vector<std::pair<std::string, double>> nearest_branches(const Vectors& points,
                                                              const std::map<std::string, Path>& paths) {
   std::map<std::string, AxisSearch> axes;
@@ -47,7 +46,7 @@ std::vector<char> region_of_interest(const Lumen& lumen, const Scene& scene, con
       for (double s = p.centre_s - half; s <= p.centre_s + half; s += 0.5) {
         const Vec3 centre = path.at(s);
         for (std::size_t v = 0; v < lumen.points.size(); ++v) {
-          const double reach = lumen.radius[v] + 1.0; // mm: includes the ostia of side branches
+          const double reach = lumen.radius[v] + 1.0; // mm: reaches the ostia of side branches too
           if ((lumen.points[v] - centre).squaredNorm() < reach * reach)
             may_move[v] = 1;
         }

@@ -13,7 +13,7 @@
 namespace vci {
 
 struct RunState {
-  /// Adds the wall to the system. Keeps copies of the scene, and of lumen and axes as they are before the procedure.
+  /// Adds the wall to the system. Keeps the scene, and lumen and axes as they are before the procedure.
   RunState(Scene initial_scene, Lumen initial_lumen, std::map<std::string, Path> initial_paths);
   RunState(const RunState&) = delete;
   RunState& operator=(const RunState&) = delete;

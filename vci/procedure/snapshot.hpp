@@ -17,18 +17,19 @@ struct DeviceShape {
 
 /// The state during a run or at its end, for pictures.
 struct Snapshot {
-  int stages_done, steps; ///< number of completed stages, and of steps done in a stage
+  int stages_done, steps; ///< completed stages, and steps of the current or just completed stage
   Vectors lumen;          ///< mm
-  Balance forces;         ///< per lumen point, N; empty, as the devices', within a stage of textbook integration
+  Balance forces;         ///< per lumen point, N; within a stage of the textbook scheme all forces are empty
   std::vector<DeviceShape> devices;
 };
 
-/// Forces of the wall's vertices at all points of the lumen, 0 where the wall does not take part.
+/// The wall's forces (N) at all points of the lumen; 0 at points that are not in the computation.
 Balance forces_on_lumen(const RunState& run, const Balance& forces);
 
 /// The shape of a body with its part of the system's forces (N).
 DeviceShape shape_of(const RunState& run, int body, const std::string& name, const Balance& forces);
 
+/// A copy of the run's lumen and devices.
 /// @param steps number of steps to report
 /// @param forces on all vertices of the system, N; may be empty
 Snapshot snapshot_of(const RunState& run, int stages_done, int steps, const Balance& forces);

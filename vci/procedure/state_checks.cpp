@@ -14,7 +14,7 @@ namespace vci {
 namespace {
 
 constexpr double wall_reach = 2.0; // mm: radius round a device's vertex in which the wall is searched
-// mm: a vertex may project along the normals onto a triangle that is this much further away than the nearest one
+// mm: a vertex may project along the normals onto a triangle that is farther than the nearest one by up to this length
 constexpr double projection_slack = 0.1;
 constexpr double tolerated_distance = 0.1; // mm that a device may lie outside the wall; balanced stages have far less
 constexpr double open_edge_weight = 1e-9;  // weight of inner corners below which a projection is on an open edge
@@ -26,8 +26,7 @@ int body_of_vertex(const System& system, int vertex) {
   return body;
 }
 
-/// Distance (mm) by which a point lies outside the wall's smooth surface. Negative inside, at the wall's open ends, and
-/// if no wall is near.
+/// Distance (mm) of a point outside the wall's smooth surface; negative inside, at open ends, and if no wall is near.
 double distance_outside(const Vec3& p, const System& system, const Vectors& unit_normals,
                         const std::vector<int>& candidates) {
   const Body& wall = system.body(0);

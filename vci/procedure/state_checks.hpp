@@ -11,9 +11,9 @@ struct OutsideVertex {
   int vertex = -1;
 };
 
-/// The vertex furthest outside the wall (body 0), of all other bodies. Vertices further than 2 mm from the wall count
-/// as inside, since a device that far outside would have other vertices in between. Vertices beside the wall's open
-/// ends and in the mouth of a side branch count as inside too.
+/// Finds the device vertex furthest outside the wall (body 0). Three kinds of vertices count as inside. Some are more
+/// than 2 mm from the wall: a device that far outside would also have vertices nearer to the wall. The others lie
+/// beside the wall's open ends, or in the mouth of a side branch.
 /// @param trees search trees of the bodies
 /// @param points, triangles of the whole closed lumen in its current state
 OutsideVertex furthest_outside(const System& system, SurfaceTrees& trees, const Vectors& points,

@@ -10,17 +10,17 @@ struct StentHistory {
   std::string device, branch;
   double centre_s; ///< arc length of the stent's centre along its branch, mm
   Stent stent;
-  std::vector<double> inflated_radii = {}; ///< of each ring at the end of the last inflation that filled it, mm
+  std::vector<double> inflated_radii = {}; ///< radius of each ring after the last inflation that filled it, mm
   double final_diameter = 0;               ///< mean over the stent's rings, after the last extraction of balloons, mm
-  double final_length = 0;                 ///< along the centres of the stent's rings, mm
-  double minimal_area = 0;                 ///< the smallest section of a ring after the last extraction, mm^2
+  double final_length = 0;                 ///< length of the line through the rings' centres, mm
+  double minimal_area = 0;                 ///< smallest cross-section at a ring after the last extraction, mm^2
   Vec3 first_end = Vec3::Zero();           ///< centre of the first ring after the last extraction, mm
   Vec3 last_end = Vec3::Zero();            ///< centre of the last ring after the last extraction, mm
   double inflated_diameter() const;        ///< mean of inflated_radii, times two, mm
 };
 
-/// Records the radii of the rings that inflated balloons fill. At the stent's own delivery these are all rings. Later
-/// they are the rings with at least half of their vertices in contact with a balloon.
+/// Records the radii of the rings that inflated balloons fill. When the stent is delivered these are all rings, later
+/// those with at least half of their vertices in contact with a balloon.
 /// @param balloons contact points of the balloons with the stent
 void record_inflation(StentHistory& history, const System& system, const std::vector<ContactPoint>& balloons);
 /// Records diameter, length, smallest section and ends after balloons are removed.

@@ -6,11 +6,11 @@ namespace vci {
 
 namespace {
 
-// Rings narrower than this share of the balloon body's diameter have no contact between their layers. Folds in the
-// balloon's necks are too fine for contact.
+// The layers of rings narrower than this share of the body's diameter have no contact, since folds in the balloon's
+// necks are too fine for contact.
 constexpr double least_layer_profile = 0.6;
-// Largest wanted displacement per step over the film's thickness, while folds open; and relative residual of the linear
-// solves with a folded balloon.
+// While folds open, a step is to move vertices by at most this multiple of the film's thickness. Linear solves with a
+// folded balloon have this relative residual.
 constexpr double step_over_thickness = 2, folds_pcg_tolerance = 0.05;
 constexpr double folds_maximal_step = 5;    // ms: a kink left in the cones oscillates under longer steps
 constexpr double folds_initial_step = 0.03; // ms: a longer first step moves layers through one another

@@ -12,7 +12,7 @@ void add_layer_contacts(Interactions& interactions, const System& system, const 
 /// Solver settings of a stage with a balloon; unchanged if the balloon is not folded. A folded balloon needs shorter
 /// steps and more accurate linear solves. Its stage is not refused while the residual stagnates, because the residual
 /// falls only after the folds have opened.
-/// @param unfolds whether the folds open in this stage: then steps are even shorter, lest a layer pass its neighbours
+/// @param unfolds whether the folds open in this stage; steps are then even shorter, so that layers do not cross
 IntegratorSettings folded_balloon_settings(const IntegratorSettings& settings, const BalloonSpec& spec, bool unfolds);
 
 /// Whether a balloon of the scene is folded.

@@ -1,4 +1,4 @@
-// A deployment on the same lumen with longer edges, which carries the lumen's points.
+// Deployment on a mesh of the lumen with longer edges, which carries the points of the fine lumen along.
 #pragma once
 #include "vci/geometry/carried_points.hpp"
 #include "vci/procedure/deployment.hpp"
@@ -14,10 +14,10 @@ public:
   /// point of `fine` is further from this lumen than its `radius_mm`: another part of the wall might then be nearer.
   CoarseLumen(const Scene& scene, const Lumen& fine);
 
-  /// The scene with this lumen's file in place of the fine one's, for checks and their messages.
+  /// The scene with the coarse lumen's file as its lumen, for checks and their messages.
   const Scene& scene() const { return scene_; }
   const LumenFile& lumen() const { return lumen_; }
-  /// The result with points, stretch and gaps of the fine lumen. The forces stay those of the coarse one.
+  /// The result with points, stretch and gaps at the fine lumen's points. The forces remain those of the coarse lumen.
   DeploymentResult carry_to_fine(DeploymentResult result) const;
 
 private:
@@ -26,7 +26,7 @@ private:
   CarriedPoints carried_;
 };
 
-/// The coarse lumen of a scene, or none if it names none.
+/// The coarse lumen of a scene; nothing if the scene names none.
 std::optional<CoarseLumen> load_coarse_lumen(const Scene& scene, const Lumen& fine);
 
 } // namespace vci

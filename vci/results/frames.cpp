@@ -56,8 +56,8 @@ void FrameWriter::add(const Snapshot& snapshot) {
   int number = 0;
   for (const DeviceShape& device : snapshot.devices)
     write_surface("device" + std::to_string(++number), device.points, device.triangles, device.forces);
-  entries_ << "    <!-- " << count_ << ": stage " << snapshot.stages_done + 1 << ", " << snapshot.steps
-           << " steps -->\n";
+  entries_ << "    <!-- " << count_ << ": " << snapshot.stages_done << " stages done, " << snapshot.steps
+           << " steps in the latest -->\n";
   ++count_;
 }
 

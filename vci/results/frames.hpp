@@ -13,7 +13,7 @@ std::vector<PointArray> force_arrays(const Balance& balance);
 
 class FrameWriter {
 public:
-  /// @param folder for the files; it is created, and frames of an earlier run in it are removed
+  /// @param folder folder of the files; it is created, and frames of an earlier run in it are removed
   FrameWriter(std::filesystem::path folder, const LumenFile& lumen);
   /// Writes a file for the lumen and one for each device.
   void add(const Snapshot& snapshot);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* partial_prefix = ".partial-"; // + process number: folder of a run's files until they are complete
 constexpr const char* result_files[] = {"lumen.vtp", "lumen.stl", "coarse_lumen.vtp",
-                                        "deployment.json"}; // devices/*.vtp precede the last
+                                        "deployment.json"}; // in the order of publication, after devices/*.vtp
 
 /// The results that are in a folder.
 std::vector<fs::path> find_results(const fs::path& folder) {
@@ -81,7 +81,7 @@ void OutputFolder::publish() const {
 }
 
 void remove_stale_result(const fs::path& out, const fs::path& scene) {
-  std::error_code ignored; // the refusal under way matters more
+  std::error_code ignored; // the refusal that is being reported matters more
   const fs::path result = out / "deployment.json";
   if (!fs::equivalent(result, scene, ignored))
     fs::remove(result, ignored);

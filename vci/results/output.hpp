@@ -8,9 +8,8 @@ namespace vci {
 
 class OutputFolder {
 public:
-  /// Creates the folder and removes an earlier run's results from it. Also removes partial results of runs that a
-  /// signal ended. This is done before any work. Throws common::InputError if files cannot be written there, or if one
-  /// of the `inputs` would be removed.
+  /// Creates the folder. Removes an earlier run's results from it, and partial results of runs that a signal ended.
+  /// Throws common::InputError if files cannot be written there, or if one of the `inputs` would be removed.
   OutputFolder(std::filesystem::path out, const std::vector<std::filesystem::path>& inputs);
   ~OutputFolder(); ///< removes unpublished files
   OutputFolder(const OutputFolder&) = delete;
@@ -24,8 +23,8 @@ private:
   std::filesystem::path out_, partial_;
 };
 
-/// Removes deployment.json from the folder `out` of a run that is refused before its inputs are known. Without this
-/// file the other files there do not count as results. Keeps the file if it is the `scene` itself.
+/// Removes an earlier deployment.json from the folder `out` of a run that is refused before its inputs are known.
+/// Without this file the others in the folder do not count as results. Keeps the file if it is the `scene` itself.
 void remove_stale_result(const std::filesystem::path& out, const std::filesystem::path& scene);
 
 /// Writes a JSON document. Throws common::ComputationError if the file is not written completely.

@@ -35,8 +35,8 @@ double reference_area(const Lumen& lumen, const Path& path, const Segment& segme
   return count > 0 ? sum / count : 0;
 }
 
-/// Peak of this program's own memory, MiB; 0 if the system does not report it. (getrusage would include the memory of
-/// the program from which the process was forked.)
+/// Peak memory of this process, MiB; 0 if the system does not report it. (getrusage would include the memory of the
+/// program from which the process was forked.)
 double peak_memory_mib() {
   std::ifstream status("/proc/self/status");
   std::string key;
@@ -46,8 +46,8 @@ double peak_memory_mib() {
   return 0;
 }
 
-/// The first of the rows' values under `key` in the order `before`: by default the smallest. Null values are left out;
-/// the result is null if no row has a value.
+/// The value under `key` that comes first in the order `before`: by default the smallest. Null values are left out. The
+/// result is null if no row has a value.
 template <class Order = std::less<>>
 json first_in_order(const json& rows, const char* key = "area_mm2", Order before = {}) {
   json smallest = nullptr;
@@ -73,7 +73,7 @@ double nearest_arc_length(const Path& path, const Vec3& p, double s, double reac
 
 /// The smallest lumen area (mm^2) between a deployed stent's ends; null if there is no section. Planes within half a
 /// millimetre of an end are left out. There the stent's edge may be oblique, so that a plane would cut bare vessel too.
-/// @param length of the stent, mm
+/// @param length length of the stent, mm
 json lumen_area_in_stent(const StentHistory& h, double length, const DeploymentResult& d, const Triangles& triangles) {
   constexpr double end_margin = 0.5; // mm
   const Path& path = d.paths.at(h.branch);
@@ -83,8 +83,8 @@ json lumen_area_in_stent(const StentHistory& h, double length, const DeploymentR
   return start < end ? smallest_area(area_profile(d.points, triangles, path, start, end)) : json(nullptr);
 }
 
-/// Straightening of the axis along the segment: the decrease of its total turn (see Path::turning()), degrees. The turn
-/// is measured between pieces as long as the lumen's mean diameter in the profile, at least 1 mm.
+/// Straightening (degrees) of the axis along the segment: the decrease of the total angle Path::turning(). The pieces
+/// of the axis are as long as the lumen's mean diameter in the profile, but at least 1 mm.
 double straightening_degrees(const Path& before, const Path& after, const Segment& s, const json& profile) {
   double area = 0;
   for (const json& row : profile)

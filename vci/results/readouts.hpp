@@ -4,7 +4,8 @@
 
 namespace vci {
 
-/// The document deployment.json of a run of `vci deploy`. @param before axes of the branches before the procedure
+/// The document deployment.json of a run of `vci deploy`.
+/// @param before axes of the branches before the procedure
 nlohmann::json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& before,
                         const DeploymentResult& deployment);
 

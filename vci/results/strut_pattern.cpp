@@ -14,8 +14,8 @@ namespace vci {
 
 namespace {
 
-/// Point (mm) of the deployed grid, at a share of its length (0 to 1) and a share of a turn round it. @param x the
-/// grid's vertices
+/// Point (mm) of the deployed grid, at a share of its length (0 to 1) and a share of a turn round it.
+/// @param x vertices of the grid, mm
 Vec3 point_on_grid(const RingGrid& grid, const Vectors& x, double length_share, double turn_share) {
   const double r = std::clamp(length_share, 0.0, 1.0) * (grid.rings() - 1);
   const int r0 = std::min(static_cast<int>(r), grid.rings() - 2);

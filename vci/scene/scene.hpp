@@ -33,7 +33,7 @@ struct Segment {
 
 struct Scene {
   std::filesystem::path file, lumen, centreline; ///< the scene's own path, and the files that it names
-  std::filesystem::path coarse_lumen; ///< the lumen on longer edges, which is deployed and carries it; empty for none
+  std::filesystem::path coarse_lumen; ///< same lumen with longer edges, deployed to carry `lumen`; empty: none
   std::string case_name;
   double map_pa = 12400; ///< mean blood pressure, Pa
   std::optional<Segment> segment;
@@ -59,7 +59,7 @@ struct Scene {
     const StentSpec* delivered = stent(device);
     return delivered ? delivered->length : balloons.at(device).length;
   }
-  /// Length (mm) of the opened stretch: of the longer of stent and balloon.
+  /// Length (mm) of the stretch of vessel that is opened: that of the stent or of the balloon, whichever is longer.
   double opened_length(const std::string& device) const {
     const StentSpec* delivered = stent(device);
     return std::max(delivered ? delivered->length : 0.0, balloon(device).length);

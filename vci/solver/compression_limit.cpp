@@ -7,10 +7,10 @@ namespace vci {
 
 namespace {
 
-/// The square of the smallest stretch between two states of a triangle, which are given by the same two edges (mm) in
-/// both: the smaller root l of det(after - l before) = 0, with the matrices of the edges' inner products. It is 0 if
-/// the triangle turned by more than a right angle, since on its way there it may have had no area. It is infinite for a
-/// triangle without area at the start, which has no stretch.
+/// The square of the smallest stretch of a triangle between two states. Each state is given by the same two edges (mm).
+/// The result is the smaller root l of det(G_after - l G_before) = 0, with G the matrix of the edges' inner products.
+/// It is 0 if the triangle turned by more than a right angle, since it may have lost its area on the way. It is
+/// infinite for a triangle without area at the start, for which no stretch is defined.
 double smallest_squared_stretch(const Vec3& a, const Vec3& b, const Vec3& a_after, const Vec3& b_after) {
   const Vec3 normal = a.cross(b), normal_after = a_after.cross(b_after);
   const double determinant = normal.squaredNorm(), product = normal_after.squaredNorm() / determinant;
@@ -22,7 +22,7 @@ double smallest_squared_stretch(const Vec3& a, const Vec3& b, const Vec3& a_afte
                       (a_after.squaredNorm() * b.squaredNorm() + b_after.squaredNorm() * a.squaredNorm() -
                        2 * a_after.dot(b_after) * a.dot(b)) /
                       determinant;
-  // The smaller root is the product of both over the larger one: their difference would lose digits.
+  // The smaller root is the product of both roots over the larger one. A difference would lose digits.
   return product / (mean + std::sqrt(std::max(0.0, mean * mean - product)));
 }
 

@@ -10,7 +10,8 @@ namespace vci {
 std::string describe_deepest(const RelaxResult& result, const System& system);
 
 /// The error of a stage without balance. Its message gives the residual, the number of steps and the place of the
-/// largest net force. @param where step and stage, for the message
+/// largest net force.
+/// @param where step and stage, for the message
 common::ComputationError convergence_error(const std::string& where, const RelaxResult& result,
                                            const IntegratorSettings& settings, const System& system);
 

@@ -11,7 +11,7 @@ namespace vci {
 namespace {
 
 constexpr double smallest_step = 0.03;    // ms: length of the shortest step
-constexpr int sticking_steps = 8;         // steps with the whole friction stiffness, after a step that turned back
+constexpr int sticking_steps = 8;         // after a step that turned back, steps with the whole friction stiffness
 constexpr double quasi_static_step = 0.5; // ms: longer steps drop the velocity, and with it the inertia of the motion
 // After `stalled_steps` / `careful_divisor` steps without progress, the steps of oscillating vertices are shortened for
 // the rest of the stage. Linear solves must then also reach this relative tolerance in the preconditioner's norm.
@@ -48,7 +48,7 @@ void assemble(System& system, Interactions& interactions, Forces& f) {
   f.residual = unbalanced <= negligible_force * negligible_force ? 0 : std::sqrt(unbalanced / applied);
 }
 
-/// The forces of the current state. They are 0 at fixed vertices, whose supports are no part of the balance.
+/// The forces of the current state. They are set to 0 at fixed vertices, which need no balance.
 Balance balance_of(const Forces& f, const std::vector<char>& fixed) {
   Balance balance{f.pressure, f.contact, f.foundation, f.total};
   for (Vectors* part : {&balance.pressure, &balance.contact, &balance.foundation, &balance.residual})
@@ -76,8 +76,8 @@ public:
   Inertia(const System& system, const IntegratorSettings& s) : system_(system), s_(s) {}
   /// 1 + b / h, with b the stiffness damping (ms) and h in ms. Matrix and load of a step are divided by this factor.
   double damping_factor(double h) const { return 1 + s_.stiffness_damping / h; }
-  /// Replaces the terms that the last call added by those of a step of h ms. With `freshly_assembled`, the matrix was
-  /// just assembled and holds no such terms.
+  /// Adds the terms for a step of h ms, and takes away those that the last call added. With `freshly_assembled`, the
+  /// matrix was just assembled and holds no such terms.
   void replace_terms(double h, bool freshly_assembled, BlockMatrix& matrix) {
     if (freshly_assembled)
       added_.assign(system_.vertices(), 0.0);
@@ -191,8 +191,9 @@ private:
     return must_give_up();
   }
 
-  /// Counts the steps without progress, and after a sixth of `stalled_steps` begins to damp oscillating vertices.
-  /// Returns true if the stage must be given up: after `stalled_steps`, or at the maximal number of steps.
+  /// Counts the steps without progress. After a sixth of `stalled_steps` of them, oscillating vertices are damped and
+  /// the count begins again. Returns true if the stage must be given up: after `stalled_steps`, or at the maximal
+  /// number of steps.
   bool must_give_up() {
     if (forces_.residual < 0.9 * best_residual_) {
       best_residual_ = forces_.residual;
@@ -223,7 +224,7 @@ private:
     stencils_.clear();
     for (const ContactPoint& p : forces_.points) {
       stencils_.push_back(p.stencil);
-      if (sticking_ > 0) // a sliding contact may stick again
+      if (sticking_ > 0) // sliding contacts may stick again
         stencils_.back().slip_softening.setZero();
     }
     for (const Tie& tie : interactions_.ties)
@@ -233,8 +234,8 @@ private:
   /// Largest displacement allowed in a step, mm.
   double displacement_limit() const { return 1.5 * s_.displacement_per_step; }
 
-  /// Solves for the displacements, and solves again with a shorter step while they exceed the limit. A step that is too
-  /// long is not taken, because its plastic strain would stay. Returns the displacement (mm) that one vertex in a
+  /// Solves for the displacements, and again with a shorter step while they exceed the limit. A step that is too long
+  /// is not taken, because its plastic strain would be permanent. Returns the displacement (mm) that one vertex in a
   /// hundred exceeds.
   double solve() {
     for (bool freshly_assembled = true;;) {
@@ -246,7 +247,7 @@ private:
           solve_pcg(system_.matrix(), stencils_, system_.fixed, load_, dx_, pcg_, &preconditioner_).iterations;
       ++result_.steps;
       freshly_assembled = result_.steps < s_.maximal_steps && system_.stop_reversed_flow(dx_);
-      if (freshly_assembled) { // the matrix took a plastic flow to go on that turns back
+      if (freshly_assembled) { // the matrix was made for a plastic flow that now reverses
         assemble(system_, interactions_, forces_);
         gather_stencils();
         continue;

@@ -1,4 +1,4 @@
-// Pseudo-transient backward Euler towards force balance.
+// Finds force balance by pseudo-transient backward Euler.
 #pragma once
 #include "vci/contact/self_contact.hpp"
 
@@ -7,12 +7,12 @@
 namespace vci {
 
 struct IntegratorSettings {
-  double residual_tolerance = 3e-3;    ///< residual (see relax()) at which a stage is in balance
-  double maximal_penetration = 0.05;   ///< mm: in balance, contacts deeper than this are stiffened, and steps go on
+  double residual_tolerance = 3e-3;  ///< residual (see relax()) at which a stage is in balance
+  double maximal_penetration = 0.05; ///< mm: if contacts are deeper in balance, they are stiffened and the steps go on
   double displacement_per_step = 0.12; ///< mm: displacement that the length of the next step aims at
   double initial_step = 0.3;           ///< ms, first step of a stage
   double maximal_step = 200.0;         ///< ms
-  int maximal_steps = 1500;            ///< in a stage
+  int maximal_steps = 1500;            ///< largest number of steps in a stage
   int stalled_steps = 300; ///< a stage gives up when its residual has not fallen by a tenth for so many steps
   PcgSettings pcg{0.2, 300, 24, true};
   double damping = 2.5;           ///< c, MPa ms/mm: damping force per area and velocity
@@ -32,14 +32,15 @@ struct Balance {
 /// Contacts and ties, which act between bodies in addition to the bodies' own forces.
 struct Interactions {
   std::vector<SurfaceContact> contacts;
-  std::vector<SelfContact> self_contacts; ///< of bodies whose layers lie on one another
+  std::vector<SelfContact> self_contacts; ///< contacts of folded bodies with themselves
   std::vector<Tie> ties;
-  std::shared_ptr<SurfaceTrees> trees = std::make_shared<SurfaceTrees>(); ///< for the contacts to share
+  std::shared_ptr<SurfaceTrees> trees = std::make_shared<SurfaceTrees>(); ///< shared by the contacts
   /// If set, called after each step with the number of steps done and the forces (empty in textbook integration).
   std::function<void(int, const Balance&)> after_step;
   /// Removes the contacts and the search tree of a body.
   void remove_body(int body);
-  /// Appends all active contact points to `points`. @param normals area vectors of all vertices
+  /// Appends all active contact points to `points`.
+  /// @param normals area vectors of all vertices
   /// @param lookahead_ms time (ms) over which a time-averaged law predicts the gap from the velocities
   void detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points, double lookahead_ms = 0);
 };
@@ -55,7 +56,7 @@ struct RelaxResult {
   bool stalled = false; ///< given up because the residual had not fallen by a tenth for stalled_steps
   Imbalance imbalance;  ///< set only if the stage was given up
   int steps = 0, cg_iterations = 0, contacts = 0;
-  int careful_from = -1; ///< step after which oscillating vertices were damped, as there was no progress; -1: never
+  int careful_from = -1; ///< step from which oscillating vertices were damped for lack of progress; -1: never
   double residual = 0;   ///< see relax()
   double maximal_penetration = 0, mean_penetration = 0; ///< mm, over the contact points; gaps above 0 count as 0
   std::array<int, 2> deepest{-1, -1}; ///< the deepest vertex, and a vertex of the surface that it has crossed
@@ -66,9 +67,9 @@ struct RelaxResult {
 /// with lumped mass M, area A of each vertex, stiffness K, forces f, velocities v, and the damping constants c and b.
 /// The steps end when this residual over the free vertices is at most the tolerance:
 ///   ||f|| / ||f_pressure + f_contact + f_foundation||
-/// They also end when the residual has not fallen by a tenth for stalled_steps. The step length h is adapted to the
-/// displacement that one vertex in a hundred exceeds. Above h = 0.5 ms the motion is quasi-static: the velocity is
-/// dropped.
+/// They also end when the residual has not fallen by a tenth for stalled_steps, or after maximal_steps. The step length
+/// h is adapted to the displacement that one vertex in a hundred exceeds. Above h = 0.5 ms the motion is quasi-static:
+/// the velocity is dropped.
 /// @param balance if given, receives the forces at balance
 RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& settings,
                   Balance* balance = nullptr);

@@ -6,7 +6,7 @@ namespace vci {
 
 namespace {
 
-constexpr double outlier_factor = 2; // times the large displacement: a larger one is halved at the first turn
+constexpr double outlier_factor = 2; // displacements above this times large_displacement are halved at the first turn
 constexpr double turn_cosine = -0.3; // a vertex turns back if the cosine between two of its steps is below this
 constexpr int oscillation_turns = 4; // number of turns in a row after which any vertex's displacement is halved
 // share of a displacement that is always taken, so that a vertex can reach its place

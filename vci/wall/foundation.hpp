@@ -4,7 +4,7 @@
 
 namespace vci {
 
-/// Ring law at a vertex: the pressure p in the lumen, above the mean blood pressure, that holds it at radius a.
+/// Ring law at a vertex: the pressure p in the lumen, above the mean blood pressure, that holds the lumen at radius a.
 ///   p a = E_m t_m (lambda - 1) (1 + beta (lambda - 1)^2) + E_s / (1 + nu) (lambda - 1) b + p0 (a0 - a)
 /// u is the vertex's displacement along the reference normal, so a = a0 + u. The media lies at radius b. The plaque
 /// between lumen and media keeps its area: b^2 = b0^2 + a^2 - a0^2. The media is stretched by lambda = b / b0.
@@ -26,18 +26,18 @@ struct RingLaw {
 };
 
 /// Media and tissue as a RingLaw at each vertex. If the surface's triangles are given, the pressure follows the current
-/// normals, as the force of a ring's hoop tension does. Contact forces turn with the surface too. Against a pressure of
-/// fixed direction they would twist the wall about the vessel's axis once p exceeds tangential_stiffness times a. The
+/// normals, as the force of a ring's hoop tension does. Contact forces turn with the surface too. If the pressure kept
+/// its direction, contact would twist the wall about the vessel's axis once p exceeds tangential_stiffness times a. The
 /// tangential stiffness also holds each vertex against sliding, since a bare membrane is singular on an irregular mesh.
 class RingFoundation : public VertexForce {
 public:
   struct Element {
     int vertex;
     Vec3 origin, normal; ///< reference position (mm) and unit normal out of the lumen
-    double area;         ///< of the vertex in the reference state, mm^2
+    double area;         ///< area of the vertex in the reference state, mm^2
     RingLaw law;
   };
-  /// @param triangles of the surface, with outward normals; none: the pressure keeps the direction of `normal`
+  /// @param triangles the surface, with outward normals; none: the pressure keeps the direction of `normal`
   explicit RingFoundation(std::vector<Element> elements, Triangles triangles = {});
 
   ForceKind kind() const override { return ForceKind::foundation; }

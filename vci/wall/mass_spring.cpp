@@ -91,7 +91,7 @@ void MassSpring::commit(const Vectors& x) {
     const double e = s.layer_strain(length(k, x)), w = std::abs(e);
     if (w <= s.yield_strain)
       continue;
-    // As in HenckyLaw::flow(), the depth is relative to the lumen as it has widened permanently.
+    // As in HenckyLaw::flow(), the depth is relative to the lumen's radius, which may have grown permanently.
     const double stretch = length(k, x) / (s.rest_length * s.plastic_stretch);
     const double elastic = 1 + std::copysign(s.elastic_part(w), e), permanent = (1 + e) / elastic;
     s.yield_strain = s.elastic_part(w);

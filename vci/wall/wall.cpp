@@ -44,7 +44,7 @@ struct MovingPart {
   std::vector<char> fixed;
 };
 
-/// @param may_move flag of each of the lumen's points: may move
+/// @param may_move whether each of the lumen's points may move
 /// @param wall receives the numbers in the lumen of the moving part's vertices and triangles
 MovingPart moving_part(const Lumen& lumen, const std::vector<char>& may_move, Wall& wall) {
   std::vector<char> cap(lumen.points.size(), 0);
@@ -78,9 +78,10 @@ MovingPart moving_part(const Lumen& lumen, const std::vector<char>& may_move, Wa
   return part;
 }
 
-/// Plaque of a triangle, with means over its corners. The stiffest type at its corners gives the yield law.
+/// Plaque of a triangle. Values are means over the corners; the modulus is weighted by the thickness. The stiffest type
+/// at a corner gives the yield law.
 struct TrianglePlaque {
-  double thickness = 0, modulus = 0, radius = 0; ///< mm, MPa, mm (of the lumen)
+  double thickness = 0, modulus = 0, radius = 0; ///< mm, MPa; radius of the lumen, mm
   int type = 0;                                  ///< 0: no plaque, or too thin for plaque layers
 };
 
@@ -113,7 +114,7 @@ const Layer* add_wall_layers(System& system, int body, const MovingPart& part, c
   Triangles with_plaque;
   for (const Triangle& t : part.triangles) {
     const TrianglePlaque own = triangle_plaque(t, lumen, wall, spec);
-    // the healthy intima lies outside the plaque, where the wall stretches less than the lumen
+    // The healthy intima lies outside the plaque, where the wall stretches less than the lumen.
     intima.push_back(law_at_depth({0, spec.poisson_ratio, spec.stiffening}, spec.youngs_modulus, spec.intima_thickness,
                                   own.type == 0 ? 1 : 1 + own.thickness / own.radius));
     if (own.type == 0)
@@ -141,7 +142,8 @@ void add_bending(System& system, int body, const MovingPart& part, const WallSpe
                                                   spec.hinge_yield));
 }
 
-/// Adds media, surrounding tissue and the prestress by blood pressure. @param map_pa mean blood pressure, Pa
+/// Adds media, surrounding tissue and the prestress by blood pressure.
+/// @param map_pa mean blood pressure, Pa
 void add_foundation(System& system, int body, const MovingPart& part, const Lumen& lumen, const Wall& wall,
                     const WallSpec& spec, double map_pa) {
   const Vectors areas = vertex_area_vectors(part.triangles, part.points, 0, static_cast<int>(part.points.size()));

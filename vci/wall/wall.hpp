@@ -14,13 +14,14 @@ struct Wall {
 };
 
 /// Laws of two layers that represent plaque of a thickness (mm) and modulus (MPa) on a lumen of a radius (mm). The
-/// layers lie at Gauss points in ln R, R the radius, since the stretch falls with R. In a ring four times as wide
-/// outside as inside, their energy is within 2 % of the integral through the thickness. If all plaque had the lumen's
-/// strain, its energy would be 1.2 to 6.3 times as large. `law` gives yield strain, hardening and Poisson's ratio.
+/// layers lie at Gauss points in ln R, with R the distance from the axis, since the stretch falls with R. In a ring
+/// four times as wide outside as inside, their energy is within 2 % of the integral through the thickness. If all
+/// plaque had the lumen's strain, its energy would be 1.2 to 6.3 times as large. `law` gives yield strain, hardening
+/// and Poisson's ratio.
 std::array<HenckyLaw, 2> plaque_layers(const HenckyLaw& law, double modulus, double thickness, double radius);
 
 /// Adds the wall to an empty system. Throws InputError if no triangle of the wall may move.
-/// @param may_move flag of each lumen vertex: may move (vertices of caps never move)
+/// @param may_move whether each lumen vertex may move; vertices of caps never move
 /// @param map_pa mean blood pressure, Pa
 Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& may_move, const WallSpec& spec,
               double map_pa);

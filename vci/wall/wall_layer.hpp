@@ -7,9 +7,9 @@
 
 namespace vci {
 
-/// Adds a layer of the model that `spec` names to a body. The reference returned is valid as long as the body exists.
+/// Adds a layer to a body, by the model that `spec` names. The reference returned is valid as long as the body exists.
 /// @param reference positions (mm) of the unstressed state
-/// @param laws one for each triangle
+/// @param laws law of each triangle
 const Layer& add_layer(System& system, int body, const WallSpec& spec, const Triangles& triangles,
                        const Vectors& reference, std::vector<HenckyLaw> laws);
 

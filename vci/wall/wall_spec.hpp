@@ -24,7 +24,7 @@ struct WallSpec {
   double intima_thickness = 0.2;      ///< mm
   double media_thickness = 0.4;       ///< mm
   double stiffening = 3;              ///< beta of the HenckyLaw
-  double tissue_modulus = 0.08;       ///< MPa, of the tissue round the vessel
+  double tissue_modulus = 0.08;       ///< modulus of the tissue round the vessel, MPa
   double tangential_stiffness = 0.02; ///< MPa/mm, against sliding in that tissue
   double density = 0.0011;            ///< g/mm^3
   double hinge_yield = 0.1;           ///< rad: an edge between triangles that bends by more keeps a fold

@@ -20,7 +20,7 @@ constexpr double tip_diameter_ratio = 0.35;      // diameter of the balloon's we
 // (Geith et al., PLoS ONE 15 (2020) e0234340), and since folds remain. measured.md tells how areas depend on the value.
 constexpr double axial_stiffness = 8.0;
 constexpr double hinge_coefficient = 0.002;     // N mm per edge: bending stiffness that keeps the grid from wrinkling
-constexpr double crease_yield_angle = 0.02;     // rad per edge: the limp film of a folded balloon keeps sharper creases
+constexpr double crease_yield_angle = 0.02;     // rad: a folded balloon's limp film keeps creases that are sharper
 constexpr double shaft_anchor_stiffness = 0.02; // N/mm: holds each vertex of the end rings at the catheter's shaft
 constexpr double neck_anchor_stiffness = 0.4;   // N/mm: holds each end ring of a folded balloon, shared by its vertices
 // A grid of fibres alone has no shear stiffness, so a weak film (0.3 N/mm, yielding at a strain of 0.05) is added.
@@ -74,7 +74,7 @@ Balloon add_balloon(System& system, const BalloonSpec& spec, RingGrid grid, cons
   const double share = pi * spec.nominal_diameter / grid.ring_size;
   for (int r = 0; r + 1 < grid.rings(); ++r)
     for (int k = 0; k < grid.ring_size; ++k) {
-      // the fibre's rest length is measured along the inflated profile, which rises in the shoulders
+      // Rest lengths are measured along the inflated balloon, whose radius changes along the shoulders.
       const double rise = 0.5 * spec.nominal_diameter * (grid.profile[r + 1] - grid.profile[r]);
       const double mean = 0.5 * (grid.profile[r] + grid.profile[r + 1]);
       axial.push_back({first + r * grid.ring_size + k, first + (r + 1) * grid.ring_size + k,

@@ -13,7 +13,7 @@ RingGrid balloon_grid(const BalloonSpec& spec, double edge_mm);
 
 /// A balloon in the system, and the forces that set_pressure() changes.
 struct Balloon {
-  int body; ///< number in the system
+  int body; ///< number of the body in the system
   RingGrid grid;
   Pressure* pressure;
   Fibres* axial_fibres;
@@ -22,11 +22,11 @@ struct Balloon {
 
 /// Adds a balloon with its forces to the system, without pressure.
 /// @param frames place and axes of each ring in the vessel
-/// @param radius of each ring at the start, mm; at most the crimped radius. A folded balloon must fit into it.
+/// @param radius radius of each ring at the start, mm; at most the crimped radius. A folded balloon must fit into it.
 Balloon add_balloon(System& system, const BalloonSpec& spec, RingGrid grid, const std::vector<Frame>& frames,
                     const std::vector<double>& radius);
-/// Sets the pressure p, and the axial pull by which it tightens the balloon's fibres. At each section with diameter D
-/// all fibres together are pulled by p pi (D^2 - tip^2) / 4, since the open tips lie on the shaft. With this pull the
+/// Sets the pressure p and the axial tension that it causes in the balloon's fibres. At a cross-section of diameter D
+/// all fibres together bear p pi (D^2 - tip^2) / 4, since the tips are open and lie on the shaft. With this tension the
 /// inflated balloon has the length that the maker states.
 void set_pressure(Balloon& balloon, double pressure_mpa);
 

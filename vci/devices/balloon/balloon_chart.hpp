@@ -4,9 +4,9 @@
 
 namespace vci {
 
-/// Pressure (MPa) that holds a free balloon at a diameter (mm), piecewise linear and increasing. It begins with 0 at
-/// the crimped diameter. A soft branch follows on which the balloon unfolds, up to half the pressure of the chart's
-/// first point. Then comes the maker's chart, continued with its last slope.
+/// The pressure (MPa) that holds a free balloon at a diameter (mm): a piecewise linear, increasing function. It is 0 at
+/// the crimped diameter. Then comes a soft branch, on which the balloon unfolds, up to half the pressure of the chart's
+/// first point. The maker's chart follows and is continued with its last slope.
 class BalloonChart {
 public:
   /// @throws std::invalid_argument unless both columns rise strictly, the chart has two points or more and starts above

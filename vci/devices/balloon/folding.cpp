@@ -11,15 +11,15 @@ namespace {
 
 constexpr double edge_over_thickness = 6; // longest edge that can follow the folds, over the film's thickness
 constexpr double nylon_modulus = 900, nylon_poisson = 0.4; // MPa, and Poisson's ratio; oriented polyamide 12
-// Number of ever finer grids tried. A valley between wings has a whole number of edges, which widens it on a coarse
-// grid. A finer grid may fit the crimped profile.
+// Number of grids tried, each finer than the one before. A valley between wings has a whole number of edges, so on a
+// coarse grid it is too wide. A finer grid may fit into the crimped profile.
 constexpr int grid_attempts = 8;
 
 Vec2 polar_point(double radius, double angle) {
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-/// The section of a layer of film that lies `depth` inside the spiral r = start + climb * phi.
+/// A layer of film in the cross-section. It lies `depth` inside the spiral r = start + climb * phi.
 struct Arm {
   double start, climb, depth; ///< mm, mm/rad, mm
   double radius(double phi) const { return start + climb * phi - depth; }

@@ -5,13 +5,13 @@
 
 namespace vci {
 
-/// Section of a folded balloon's body. It has the perimeter of the unfolded balloon, since the membrane hardly
+/// Cross-section of a folded balloon's body. Its perimeter is that of the unfolded balloon, since the membrane hardly
 /// stretches. The layers are arms of a spiral that rises by twice the membrane's thickness from one wing to the next.
 /// The membrane goes from a valley on the shaft along a wing's back to its crest, then along the wing's belly to the
 /// next valley. Balloons folded in three: De Beule et al., J Biomech 41 (2008) 383; Mortier et al., J Biomech Eng 130
 /// (2008) 021018.
 struct FoldedSection {
-  /// mm, counterclockwise, equally far apart. The first is the middle of a valley. Empty: too few edges for wings.
+  /// Vertices (mm), counterclockwise, equally far apart; first the middle of a valley. Empty: too few edges for wings.
   std::vector<Vec2> points;
   double inner_radius, outer_radius; ///< distances of the nearest and the furthest vertex from the axis, mm
   double wrap_angle;                 ///< angle that a wing covers, rad
@@ -19,7 +19,7 @@ struct FoldedSection {
 /// @param ring_size number of vertices, a multiple of twice the number of wings
 /// @param edge distance between neighbouring vertices, mm
 FoldedSection folded_section(const FoldingSpec& folding, int ring_size, double edge);
-/// The section of a balloon with the perimeter that its chart gives at pressure 0.
+/// The cross-section of a folded balloon whose unfolded perimeter follows from its chart at pressure 0.
 FoldedSection folded_section(const BalloonSpec& spec, int ring_size);
 
 /// Diameter (mm) of the unfolded balloon at pressure 0. The chart is continued to this pressure with its first slope.

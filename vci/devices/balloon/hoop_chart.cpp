@@ -18,7 +18,7 @@ EdgeForce::Tension HoopChart::tension(std::size_t k, double length) const {
   const double to_diameter = diameter_per_edge_ / h.profile, diameter = to_diameter * length;
   const double scale = half_cotangent_ * h.width;
   const double pressure = chart_.pressure_at(diameter);
-  // the energy is the integral of the tension from the chart's smallest diameter on, over the chart's straight pieces
+  // The energy is the integral of the tension over the length, from the chart's smallest diameter on.
   return {scale * chart_.first_moment(diameter) / (to_diameter * to_diameter), scale * pressure * length,
           scale * (pressure + length * to_diameter * chart_.slope_at(diameter))};
 }

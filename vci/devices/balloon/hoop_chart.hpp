@@ -1,4 +1,4 @@
-// The hoop law of a balloon: its compliance chart.
+// The hoop law of a balloon, by its compliance chart.
 #pragma once
 #include "vci/devices/balloon/balloon_chart.hpp"
 #include "vci/mechanics/fibre.hpp"

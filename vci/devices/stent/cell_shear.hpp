@@ -5,9 +5,9 @@
 namespace vci {
 
 /// E = c / 2 (d1 - d2)^2, with d1 and d2 the lengths of the diagonals of a cell of the stent's grid. The energy resists
-/// shear, but stays 0 while a cell opens evenly, however far. Without it, a ring under outside pressure folds in zigzag
-/// along the axis at a tenth of its radial strength. The stiffness is the Gauss-Newton part c grad grad^T, grad the
-/// gradient of d1 - d2. It is exact where the diagonals are equal, and never negative.
+/// shear, but stays 0 while a cell opens evenly. Without this energy, a ring under outside pressure folds in zigzag
+/// along the axis at a tenth of its radial strength. The stiffness is the Gauss-Newton part c grad grad^T, with grad
+/// the gradient of d1 - d2. It is exact where the diagonals are equal, and never negative.
 class CellShear : public Force {
 public:
   struct Cell {

@@ -17,8 +17,9 @@ struct Tension {
   double energy, force, tangent; ///< N mm, N, N/mm
 };
 
-/// A strain. After plastic flow |e| equals the yield strain up to this rounding error, which must not decide the
-/// tangent. With the plastic tangent, the first step of a ring that is unloaded would be far too long.
+/// After plastic flow the strain |e| equals the yield strain, up to rounding errors smaller than this. Rounding must
+/// not choose between the elastic and the plastic tangent. With the plastic one, the first step of a ring that is
+/// unloaded would be far too long.
 constexpr double yield_rounding = 1e-9;
 
 Tension tension(const RingHoops::Ring& r, double length) {
@@ -103,7 +104,7 @@ bool RingHoops::stop_reversed_flow(const Vectors& x, const Vectors& dx) {
       const int i = r.vertices[k], j = r.vertices[(k + 1) % r.vertices.size()];
       change += (dx[j] - dx[i]).dot(x[j] - x[i]) / (x[j] - x[i]).norm();
     }
-    // less than the elastic strain does no harm, and another solve costs as much as a step
+    // Unloading by less than the yield strain does no harm, and another solve costs as much as a step.
     if (r.flow_sign * change < -r.yield_strain * r.rest_length) {
       r.flow_sign = 0;
       stopped = true;

@@ -4,12 +4,12 @@
 
 namespace vci {
 
-/// Elastic-plastic hoop of a closed ring. All edges of a ring have one tension T(L), which depends on the ring's whole
-/// length L. A ring of struts opens as a whole. With a law for each edge, the first edge that yields would take all of
-/// the opening (necking).
+/// Elastic-plastic hoop law of closed rings. All edges of a ring have the same tension T(L), with L the length of the
+/// whole ring, since a ring of struts opens as a whole. With a law for each edge, the first edge that yields would take
+/// all of the opening (necking).
 ///   T = k e,  e = L / L0 - 1;  beyond e_y  T = sign(e) k (e_y + H (|e| - e_y)), and L0 follows (isotropic hardening).
-/// The Hessian T' g g^T + T dg/dx, g = dL/dx, couples all vertices of a ring. Its first part is a RankOne of the
-/// matrix.
+/// The Hessian T' g g^T + T dg/dx, g = dL/dx, couples all vertices of a ring. Its first part is added to the matrix as
+/// a RankOne.
 class RingHoops : public Force {
 public:
   struct Ring {

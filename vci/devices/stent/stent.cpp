@@ -22,24 +22,24 @@ constexpr HenckyLaw stent_film{0.3, 0.3, 0.0, 0.05, 0.1};
 // Tension at which a crimped ring begins to open, over the ring's yield tension at the nominal diameter. Both bend the
 // struts' ends plastically. The tension is 2 M / (l cos a), with M the plastic moment of a strut, l its length and a
 // its angle to the axis. For 16 struts of 1 mm round a ring, cos a falls from 0.98 at 1 mm to 0.81 at 3 mm. M grows
-// with the flow stress of the alloy: L605 yields at 476 MPa and bears about 890 MPa at a mean strain of 0.17, by a true
-// strength of 1449 MPa at 0.4. So the ratio is 0.53 times 0.83. The figures of L605 are those usual in finite-element
-// studies of stents; no paper is at hand. A bench curve of opening pressures should replace this estimate.
+// with the flow stress of the alloy. L605 yields at 476 MPa and has a true strength of 1449 MPa at a strain of 0.4. At
+// the mean strain of 0.17 it then bears about 890 MPa. So the ratio is 0.53 times 0.83. These figures of L605 are usual
+// in finite-element studies; no paper is at hand. A bench curve of opening pressures should replace this estimate.
 constexpr double crimped_tension_ratio = 0.44;
-// Of RingEvenness, which keeps the edges of a ring equally long: the tension in an edge of nominal length that is
-// e = 2.718 times as long as its neighbour, over the ring's yield tension.
+// Strength of RingEvenness, which keeps the edges of a ring equally long. It is the tension in an edge of nominal
+// length that is e = 2.718 times as long as its neighbour, over the ring's yield tension.
 constexpr double evenness_ratio = 2.0;
 
-// Shear stiffness of a cell over the least one that is needed, the ring's yield tension over twice the edge. With less
-// than this, a ring folds in zigzag when it yields in compression. The struts of a real cell are far stiffer, so the
+// Shear stiffness of a cell over the least stiffness needed, which is the ring's yield tension over twice the edge.
+// With less, a ring folds in zigzag when it yields in compression. The struts of a real cell are far stiffer, so the
 // ratio is above 1.
 constexpr double cell_shear_ratio = 4.0;
 
-// Least share of a chart's pressure that its balloon bears, for charts with pressures that do not open the stent.
+// The balloon gets at least this share of a chart's pressure, for charts with pressures that do not open the stent.
 constexpr double least_balloon_share = 0.2;
 
-/// Rise of a ring's yield strain per logarithmic strain. The maker's yield strain holds at the nominal diameter. The
-/// crimped ring yields at a lower strain, and hardens by the difference while it opens.
+/// Increase of a ring's yield strain per logarithmic strain. The yield strain by the maker's recoil holds at the
+/// nominal diameter. The crimped ring yields at a lower strain, and hardens by the difference while it opens.
 double hoop_hardening(const StentSpec& spec) {
   return (1 - crimped_tension_ratio) * spec.yield_strain() / std::log(spec.nominal_diameter / spec.crimped_diameter);
 }
@@ -116,7 +116,8 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   std::vector<InteriorEdge> edges = interior_edges(grid.triangles(), rest);
   offset_vertices(edges, first);
   // Axial fibres of stiffness k give the stent the bending stiffness pi R^3 k. Hinges at the edges round the rings give
-  // the rest. When the stent bends, they turn by curvature times ring spacing times the cosine of the angle round it.
+  // the rest. When the stent bends, a hinge turns by curvature times ring spacing times the cosine of the hinge's angle
+  // round the stent.
   const double nominal_radius = 0.5 * spec.nominal_diameter, spacing = spec.length / (grid.rings() - 1);
   const double fibre_bending = pi * nominal_radius * nominal_radius * nominal_radius * spec.axial_stiffness;
   const double ring_coefficient =

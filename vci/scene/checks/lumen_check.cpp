@@ -14,15 +14,14 @@ namespace {
 using common::text;
 
 // A point's `radius_mm` is the radius of the largest sphere inside the lumen at the point's place on the axis. So no
-// wall is nearer to that place, and some wall round it is as near. Other walls may be at any distance, as in the slit
-// of a compressed artery (1.2 x 5.0 mm). Observed ratios of a wall's distance to its radius: at least 0.73 in the
-// cohort, the benchmarks and the lumens of the anatomy's tests, 0.49 in the shoulder of a generated tube, and up
-// to 2.31 for whole lumens. A wrong unit would give 10. The ratio must lie between the two shares. A distance that
-// differs from the radius by less than `radius_tolerance` (mm) is accepted too, since at small radii the centreline's
-// own error matters.
+// wall is nearer to that place, and some wall round it is just as near. Other walls may be at any distance, as in the
+// slit of a compressed artery (1.2 x 5.0 mm). The ratio of a wall's distance to the radius must lie between two limits.
+// Observed ratios are at least 0.73 in the cohort, the benchmarks and the lumens of the anatomy's tests, and 0.49 in
+// the shoulder of a generated tube. They are at most 2.31 for whole lumens. A wrong unit would give 10. Distances
+// within `radius_tolerance` (mm) of the radius are accepted too, since at small radii the centreline's error matters.
 constexpr double least_radius_ratio = 0.4, largest_radius_ratio = 3.0, radius_tolerance = 0.2;
-// mm: the axis is divided into stretches of this length. The nearest wall round a place is sought in the place's
-// stretch and in its two neighbours.
+// mm: the axis is divided into stretches of this length. The wall nearest to a place is sought in the place's stretch
+// and in the two stretches beside it.
 constexpr double stretch_length = 1.0;
 // Longest edge allowed: `edge_radius_ratio` times the lumen's radius plus `edge_allowance` (mm). In the lumens named
 // above edges are at most 1.5 times the radius.
@@ -39,7 +38,7 @@ bool is_near_enough(double distance, double radius) {
   return distance < largest_radius_ratio * radius || distance < radius + radius_tolerance;
 }
 
-/// 0 if distance and radius (mm) fit, else the size of the logarithm of their ratio.
+/// 0 if distance and radius (mm) fit each other, else the absolute value of the logarithm of their ratio.
 double radius_misfit(double distance, double radius) {
   return is_far_enough(distance, radius) && is_near_enough(distance, radius)
              ? 0
@@ -53,7 +52,7 @@ struct WallPoint {
   double s;           ///< arc length of that place, mm
 };
 
-/// The least distance (mm) of wall points from their branch's axis, for each stretch of the axis of length `about`.
+/// The least distance (mm) of wall points from their branch's axis, for each stretch of the axis (`stretch_length`).
 class NearestWall {
 public:
   explicit NearestWall(const std::map<int, WallPoint>& wall) {
@@ -117,8 +116,8 @@ Vectors offsets_from_axis(const Lumen& lumen, const std::map<std::string, Path>&
   for (const auto& [v, point] : wall) {
     offsets[v] = point.offset;
     const double r = lumen.radius[v], own = point.offset.norm();
-    // radius_mm is that of the largest sphere, so only the nearest wall has to lie at this distance. If a point is far
-    // enough from the axis, the nearest wall round its place decides whether walls are too far away.
+    // radius_mm is the radius of the largest sphere inside, so only the nearest wall has to lie at this distance. If a
+    // point is far enough from the axis, the nearest wall round its place decides whether the wall is too far away.
     const double judged = is_far_enough(own, r) ? nearest.least_distance_near(point) : own;
     const double log_ratio =
         is_far_enough(own, r) && is_near_enough(judged, r) ? 0 : std::abs(std::log((judged + 1e-12) / r));

@@ -7,8 +7,8 @@
 namespace vci {
 
 /// Throws common::InputError, which names the fault, its place, the value and a remedy, for any of these faults:
-/// - the lumen's triangles are no oriented surface (surface_check), face the axis, are far too long, or their distance
-///   from the axis does not fit `radius_mm`;
+/// - the lumen's triangles are not one oriented surface (surface_check), face the axis, or have far too long edges;
+/// - the wall's distance from the axis does not fit `radius_mm`;
 /// - the wall has a hole, or other ends than the branches of the centreline;
 /// - the main branch runs from an outlet to the inlet;
 /// - a device or the reported segment reaches past the end of the lumen.

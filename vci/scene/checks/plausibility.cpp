@@ -9,7 +9,7 @@ namespace vci {
 namespace {
 using common::text;
 
-// mm: a balloon lies inside a stent if their axes come nearer to each other than this
+// mm: a balloon reaches into a stent if their axes come nearer to each other than this
 constexpr double inside_stent_distance = 0.5;
 
 struct Span {

@@ -79,7 +79,7 @@ void refuse_triangles_given_twice(const Lumen& lumen, const std::string& file) {
 struct Side {
   int low, high;
   std::size_t triangle;
-  bool ascending; ///< whether the triangle's corner with the higher number follows that with the lower one
+  bool ascending; ///< whether the triangle's order of corners goes from `low` to `high`
   bool same_edge(const Side& other) const { return low == other.low && high == other.high; }
 };
 
@@ -107,7 +107,7 @@ template <class Visit> void for_each_edge(const std::vector<Side>& sides, Visit&
 }
 
 void refuse_unoriented_surface(const Lumen& lumen, const std::vector<Side>& sides, const std::string& file) {
-  // number of oppositely oriented neighbours of each triangle
+  // for each triangle the number of neighbours that face the opposite side
   std::vector<int> opposed_neighbours(lumen.triangles.size(), 0);
   int edges = 0;
   for_each_edge(sides, [&](const Side* side, std::size_t count) {

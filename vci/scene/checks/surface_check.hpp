@@ -9,8 +9,8 @@ namespace vci {
 /// Points round an open end of the wall, in the order of its triangles' edges.
 using Rim = std::vector<int>;
 
-/// The rims of a lumen's wall, which consists of the triangles without the caps. Throws common::InputError, which names
-/// `file` and the triangle or point, for any of these faults:
+/// The rims of a lumen's wall, which is the surface without its caps. Throws common::InputError, which names `file` and
+/// the triangle or point, for any of these faults:
 /// - points coincide;
 /// - triangles have no area or are given twice;
 /// - more than two triangles meet in an edge;

@@ -14,9 +14,9 @@ namespace vci {
 
 namespace {
 
-/// Refuses a line that doubles back, since its points are out of order and its arc lengths are meaningless.
+/// Refuses a line that doubles back: its points are out of order, so its arc lengths are meaningless.
 void refuse_turning_back(const Vectors& points, const std::string& name, const std::string& file) {
-  // Cosine of the largest turn allowed (134 degrees); and length (mm) below which pieces are not judged, as points may
+  // Cosine of the largest turn allowed (134 degrees). Pieces below the length (mm) are not judged, as points may
   // scatter.
   constexpr double sharpest_cosine = -0.7, least_piece_length = 0.1;
   for (std::size_t k = 2; k < points.size(); ++k) {
@@ -40,7 +40,7 @@ double distance_to_line(const Vectors& line, const Vec3& p) {
 
 /// Refuses a side branch whose line runs the wrong way: it must start on its parent's axis, not end there.
 void refuse_reversed_sides(const Vectors& main, const NamedLines& sides, const std::string& file) {
-  // mm: a line starts on another one if its first point is at most this far from it
+  // mm: a line starts on another line if its first point is at most this far from the other
   constexpr double start_tolerance = 0.5;
   for (const auto& [name, points] : sides) {
     double start = distance_to_line(main, points.front()), end = distance_to_line(main, points.back());
@@ -103,10 +103,10 @@ Vectors checked_line(const std::string& name, const Vectors& line, const std::st
   return points;
 }
 
-/// A side branch's path from the inlet on: points of its parent, then its own. Its parent is the branch of `paths`
-/// whose axis is nearest to the side branch's first point.
+/// A side branch's path from the inlet on: points of the parent branch, then those of the side branch. The parent is
+/// the branch of `paths` whose axis is nearest to the side branch's first point.
 Path joined_to_parent(const Vectors& points, const std::map<std::string, Path>& paths) {
-  // mm: last points of the parent that are this near to the first point are left out
+  // mm: the parent's last points are left out if they are this near to the side branch's first point
   constexpr double joint_distance = 0.2;
   const Path* parent = nullptr;
   std::size_t leaving_index = 0;

@@ -1,4 +1,4 @@
-// The centreline as named branches, read from a file or made of points.
+// The centreline as named branches, read from a file or made from points.
 #pragma once
 #include "vci/geometry/centreline.hpp"
 

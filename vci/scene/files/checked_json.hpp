@@ -19,7 +19,7 @@ public:
   /// A number as number() reads it, or infinity: null in the file stands for infinity.
   double number_or_infinity(const std::string& key, double low, double high, double fallback);
   std::string text(const std::string& key, std::optional<std::string> fallback = std::nullopt);
-  /// The value of one of several names. Each name is given with its value in C++.
+  /// Reads one of several names and returns its value. `choices` gives each name with its value in C++.
   template <class Value>
   Value choice(const std::string& key, const std::vector<std::pair<std::string, Value>>& choices, Value fallback) {
     std::vector<std::string> names;
@@ -36,7 +36,7 @@ public:
   nlohmann::json child(const std::string& key, bool required);
   /// A list with at least one entry.
   nlohmann::json list(const std::string& key);
-  /// Accepts a key that is read elsewhere.
+  /// Marks a key that is read elsewhere as known.
   void ignore(const std::string& key) { known_keys_.insert(key); }
   /// Refuses keys that were not read.
   void refuse_unknown_keys() const;

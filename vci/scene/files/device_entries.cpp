@@ -17,7 +17,7 @@ namespace {
 constexpr double least_chart_ratio = 0.5, largest_chart_ratio = 1.5;
 constexpr double highest_pressure = 60; // largest pressure accepted in a chart, bar
 constexpr double overhang = 1;          // mm by which a stent may be longer than its balloon's cylinder
-// largest difference of stent's and balloon's nominal diameters over the stent's
+// largest difference between the nominal diameters of stent and balloon, over the stent's
 constexpr double mounting_tolerance = 0.25;
 // Largest relative difference between the nominal diameter and the chart's diameter at nominal pressure. Charts are
 // rounded to 0.01 or 0.02 mm and linear between their points.

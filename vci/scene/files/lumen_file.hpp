@@ -1,4 +1,4 @@
-// Reads and writes the lumen surface with its arrays, and writes shapes for pictures. Uses VTK.
+// Reads and writes the lumen surface with its arrays, and writes shapes of devices and struts for pictures. Uses VTK.
 #pragma once
 #include "vci/geometry/lumen.hpp"
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace vci {
 
-/// A lumen with the data set of its file, whose further arrays are written again with the results.
+/// A lumen with the data set of its file. Further arrays of the data set are written again with the results.
 struct LumenFile : Lumen {
   vtkSmartPointer<vtkPolyData> data;
 };

@@ -88,15 +88,15 @@ Step read_step(const json& entry, const std::string& where, const Scene& scene) 
   return step;
 }
 
-/// The document, with two checks. If a key were given twice in one object, the JSON library would silently use the
-/// last. Values nested too deeply would crash the program, since they are copied and written by recursion.
+/// Parses a document and makes two checks. If a key were given twice in one object, the JSON library would silently use
+/// the last. Values nested too deeply would crash the program, since they are copied and written by recursion.
 json parse_json(std::istream& stream, const std::string& where) {
   struct OpenObject {
     std::set<std::string> keys;
     std::string last_key;
   };
   constexpr int maximal_depth = 32; // a device of a step is 5 deep
-  std::vector<OpenObject> objects;  // that are not yet closed
+  std::vector<OpenObject> objects;  // objects that are not yet closed
   const auto current_path = [&] {
     std::string path = where;
     for (const OpenObject& o : objects)
@@ -186,7 +186,7 @@ void read_procedure(CheckedObject& o, Scene& scene) {
   }
 }
 
-/// Patient, settings, devices and steps.
+/// Reads patient, settings, devices and steps.
 void read_intervention(CheckedObject& o, Scene& scene) {
   CheckedObject patient(o.child("patient", true), o.path("patient"));
   scene.map_pa = patient.number("map_pa", 1000, 40000);

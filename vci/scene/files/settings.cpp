@@ -20,7 +20,7 @@ void read_plaque(CheckedObject& parent, const std::string& type, PlaqueSpec& p) 
   parent.key_schemas[type] = o.key_schemas;
 }
 
-/// Refuses settings off their defaults that only the integration not chosen uses. They would be ignored silently.
+/// Refuses changed settings that only the other integration uses, since they would be ignored silently.
 void refuse_unused(const CheckedObject& o, const Numerics& n) {
   struct Setting {
     const char* key;

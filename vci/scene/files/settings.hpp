@@ -6,8 +6,8 @@
 
 namespace vci {
 
-/// Read the scene's `wall` or `numerics`. Afterwards `entry.used` holds all settings, with defaults for missing ones.
-/// Throw common::InputError, which names key, value and remedy.
+/// Read the scene's `wall` or `numerics`. Afterwards `entry.values_read` holds all settings, with defaults for missing
+/// ones. Throw common::InputError, which names key, value and remedy.
 WallSpec read_wall(CheckedObject& entry);
 Numerics read_numerics(CheckedObject& entry);
 
