@@ -11,22 +11,22 @@ namespace {
 
 using common::InputError;
 
-constexpr double least_reported_move = 1e-3; // mm: a smaller move of the caps is not reported
-// Radii: a larger move of a cap gives a warning. A move of 0.1 is a tilt of 6 degrees, which changes the area by half a
-// per cent.
+constexpr double least_reported_move = 1e-3; // mm; a smaller move of the caps is not reported
+// A larger move of a cap (in its radii) gives a warning. A move of 0.1 is a tilt of 6 degrees, which changes the area
+// by half a per cent.
 constexpr double most_unwarned_move = 0.1;
-constexpr double smallest_angle = 30; // degrees: a smaller corner of a triangle gives a warning
-// Rms scatter of the wall, in mean edges, from which on ends may not be seen. Flat ends are found until noise tilts the
-// triangles by about 12 degrees.
+constexpr double smallest_angle = 30; // a smaller corner of a triangle (degrees) gives a warning
+// If the wall's rms scatter reaches this (in mean edges), ends may not be seen. Flat ends are found until noise tilts
+// the triangles by about 12 degrees.
 constexpr double rough_scatter = 0.15;
-constexpr double least_stub = 0.4;    // mean radii: least prominence of a tip that counts as a stub
-constexpr double least_wide_stub = 1; // mean radii: least prominence of a stub that may be the inlet
-constexpr double rim_radii = 2;       // radii of an end: a tip farther from its centre is not at the end's rim
-// Radii of a closed branch: one that stands out by more is a tube. A sac is as wide as it is long.
+constexpr double least_stub = 0.4;    // least prominence of a tip that counts as a stub, in mean radii
+constexpr double least_wide_stub = 1; // least prominence of a stub that may be the inlet, in mean radii
+constexpr double rim_radii = 2;       // a tip farther from an end's centre (in its radii) is not at the end's rim
+// A closed branch that stands out by more than this (in its radii) is a tube. A sac is as wide as it is long.
 constexpr double tube_prominence = 1.5;
 constexpr double narrowest_stub = 0.3; // mm, radius of the narrowest closed branch that is checked
 
-// Whether p (mm) is so far from every end that it is not at the end's rim.
+// Whether p (mm) is at the rim of no end.
 bool is_away_from_ends(const Vec3& p, const std::vector<End>& ends) {
   return std::all_of(ends.begin(), ends.end(),
                      [&](const End& end) { return (end.centre - p).norm() > rim_radii * end.radius(); });

@@ -4,21 +4,22 @@
 namespace anatomy {
 namespace {
 
-constexpr double equal_width_ratio = 0.9; // least ratio of a width to the inlet's diameter that counts as about as wide
-// Least ratio of the healthy widths of main's last and first third that counts as widening.
+constexpr double equal_width_ratio = 0.9; // a width of this share of the inlet's diameter is about as wide as the inlet
+// Main widens if the healthy width of its last third is at least this many times that of its first third.
 constexpr double widening_ratio = 1.04;
-// Largest ratio of an end's width to the healthy width of main's last third that counts as narrowed.
+// Main's end is narrowed if it is at most this share of the healthy width of main's last third.
 constexpr double narrowed_ratio = 0.85;
-// Quantile of the widths in a third that is its healthy width: lesions and short ectasias do not count.
+// The healthy width of a third is this quantile of its widths. So lesions and short ectasias do not count.
 constexpr double healthy_quantile = 0.9;
-// Mean cosine of the angle between side branch and parent, below which side branches lean back. It is 27 degrees beyond
-// a right angle; a conus branch has 25.
+// Side branches lean back if the mean cosine of their angle with the parent is below this, 27 degrees beyond a right
+// angle. A conus branch leans back by 25 degrees.
 constexpr double leaning_back_cosine = -0.45;
-constexpr double wider_outlet_ratio =
-    1.25; // least ratio of an outlet's width to the named inlet's that gives a warning
-// Degrees of turn that give a warning; a left main turns into the circumflex by a right angle at the most.
+// An outlet this many times as wide as the named inlet gives a warning.
+constexpr double wider_outlet_ratio = 1.25;
+// A branch that turns by so many degrees gives a warning. A left main turns into the circumflex by at most a right
+// angle.
 constexpr double turning_back_degrees = 100;
-constexpr double direction_radii = 4; // radii of a branch over which directions are taken
+constexpr double direction_radii = 4; // directions are taken over so many radii of a branch
 
 // Each of the following ..._doubt() functions returns a reason to doubt the inlet as text, or an empty text.
 std::string wide_end_doubt(const std::vector<End>& ends) {

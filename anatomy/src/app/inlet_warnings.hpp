@@ -16,7 +16,7 @@ void warn_of_doubtful_inlet(const std::vector<End>& ends, const std::vector<Bran
 /// Warns if an outlet is at least a quarter wider than the inlet that the user named.
 void warn_of_narrow_inlet(const std::vector<End>& ends, std::vector<Repair>& notes);
 
-/// Warns of each branch whose axis turns back where a side branch leaves, as the longest path through a graft does.
+/// Warns of each branch whose axis turns back where a side branch leaves. The longest path through a graft does so.
 void warn_of_turning_back(const std::vector<Branch>& branches, std::vector<Repair>& notes);
 
 } // namespace anatomy

@@ -84,8 +84,8 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
 }
 
 // The diameter (mm) of the circle with the area of the vessel's cross-section at an end. A slanted cap is larger than
-// this cross-section, so its area is projected onto the plane perpendicular to the axis. The axis's direction is that
-// of its piece next to the end, which is as long as the end's radius.
+// this cross-section, so its area is projected onto the plane perpendicular to the axis. The axis's direction is taken
+// over its last piece at the end, which is as long as the end's radius.
 double vessel_width_at(const End& end, const std::vector<Branch>& branches) {
   const Axis& axis =
       std::find_if(branches.begin(), branches.end(), [&](const Branch& one) { return one.name == end.branch; })->axis;

@@ -18,7 +18,8 @@ namespace {
 
 using common::InputError;
 
-// Voxel edges: least radius of a flat end of a mask's surface. The wall of a thin lumen has facets of about one voxel.
+// Least radius of a flat end of a mask's surface, in voxel edges. The wall of a thin lumen has facets of about one
+// voxel.
 constexpr double smallest_cap = 1.5;
 
 // Throws InputError if an option is out of range. The shortest edge is a tenth of CT's resolution, and gives a tree a
@@ -84,7 +85,8 @@ Voxels voxels_of(vtkPolyData* input, const Mesh& mesh) {
   return edge > 0 ? Voxels{edge, true} : Voxels{grid_of_surface(mesh), false};
 }
 
-// Drops outlets of cap files (if `caps`) whose end is not in the tree. The tree's inlet is at its ostium.
+// If the outlets come from cap files (`caps`), drops those whose end is not in the tree. The inlet of the tree is at
+// its ostium.
 void keep_ends_of_tree(const Mesh& tree, bool caps, NamedEnds& named) {
   if (caps) {
     Mesh copy = tree;

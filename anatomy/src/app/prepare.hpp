@@ -24,7 +24,7 @@ struct Options {
   bool close_others = false;     ///< whether openings without a point or a cap file are closed
   std::string tree;              ///< name of the coronary tree in a model with an aorta, or empty
   std::optional<Vec3> ostium;    ///< mm, where that tree leaves the aorta
-  double extend_inlet = 0, extend_outlets = 0; ///< radii of the end: length of the straight extension
+  double extend_inlet = 0, extend_outlets = 0; ///< length of the straight extension, in radii of the end
   std::string like;                            ///< path of the anatomy.json of an earlier state, or empty
 };
 
@@ -56,7 +56,7 @@ ClosedSurface closed_surface(const Options& options, StepTimer& timer);
 /// Finds the ends of the lumen. If a `tree` is given, it is cut off from its aorta first.
 PreparedLumen find_lumen_ends(ClosedSurface closed, const CoronaryTree* tree, const Options& options, StepTimer& timer);
 
-/// Does both of these steps, for the tree that the options choose, and prints the warnings.
+/// Runs closed_surface() and find_lumen_ends() for the tree that the options choose, and prints the warnings.
 PreparedLumen prepare(const Options& options, StepTimer& timer);
 
 TreeChoice tree_choice_of(const Options& options);

@@ -25,7 +25,7 @@ namespace {
 using common::InputError;
 
 constexpr double finest_trial_edge = 0.05;      // mm, shortest edge of a mesh that is tried for the axes
-constexpr double most_trial_triangles = 250000; // triangles of a mesh that is tried for the axes; it takes some 20 s
+constexpr double most_trial_triangles = 250000; // largest number of triangles of such a mesh, which takes some 20 s
 
 // Whether a mesh of this edge (mm) may be tried after one of longer edges has failed.
 bool can_try_edge(double edge, const Mesh& surface) {
@@ -81,8 +81,8 @@ std::optional<Vec3> inlet_by_tag(const std::vector<End>& ends, vtkPolyData* inpu
       ->centre;
 }
 
-// Decides which end is the inlet and which branch each outlet ends. It follows the earlier state if there is one, else
-// the caps or points of the user, else the file's tags, else the ends' size.
+// Decides which end is the inlet and which branch leads to each outlet. It follows the earlier state if there is one,
+// else the caps or points of the user, else the file's tags, else the ends' size.
 Naming choose_naming(std::vector<End>& ends, const NamedEnds& given, const std::optional<nlohmann::json>& like,
                      vtkPolyData* input) {
   if (like)
@@ -128,8 +128,8 @@ AxisMesh find_axis_mesh(const Mesh& coarse, const PreparedLumen& prepared, const
     }
 }
 
-// Makes the edges of the uniform mesh as long as `field` asks. If this fails, as where it closes a throat, the function
-// starts from finer meshes: of half the edge, a quarter, and so on.
+// Makes the edges of the uniform mesh as long as `field` asks. If this fails, for example because a throat closes, the
+// function starts from finer meshes: of half the edge, a quarter, and so on.
 Mesh graded_with_retries(const AxisMesh& axis_mesh, const Mesh& surface, const EdgeField& field) {
   for (double edge = axis_mesh.edge;; edge /= 2)
     try {
@@ -175,7 +175,7 @@ Anatomy process(const Options& options, StepTimer& timer) {
   const bool extends = options.extend_inlet > 0 || options.extend_outlets > 0;
   const Mesh& coarse = extends ? prepared.mesh : prepared.unrefined; // the unrefined lumen is remeshed faster
   const bool kept = !extends && may_keep_mesh(options, prepared, prepared.input->GetCellData()->HasArray("region_id"));
-  prepared.ends = out.ends; // now with their extensions
+  prepared.ends = out.ends; // the ends with their extensions
   if (kept)
     timer.start("centreline");
   AxisMesh axis_mesh =

@@ -121,7 +121,7 @@ void write_surface(const Mesh& mesh, const std::string& path) {
   }
   std::error_code error;
   std::filesystem::rename(partial, target, error);
-  if (error) // as where VTK could not open the file, which VTK does not report
+  if (error) // VTK could not open the file, for example, and does not report this
     throw common::InputError("the file cannot be written", path, error.message(), "check the folder and its rights");
 }
 

@@ -6,11 +6,11 @@
 namespace anatomy {
 namespace {
 
-constexpr int degree = 5;             // of the spline
-constexpr double knot_spacing = 0.75; // mm between knots: several knots for a coronary bend of 3 mm radius
+constexpr int degree = 5;
+constexpr double knot_spacing = 0.75; // mm between the spline's knots: several knots for a coronary bend of 3 mm radius
 constexpr double pin_weight = 1e6;    // weight of the first and the last point in the fit; the other points have 1
-// Number of places between the points of a difference in noise_of. Neighbours 0.25 mm apart share Voronoi balls, so
-// their noise shows only from 1 mm apart.
+// noise_of() takes differences over every fourth point. Neighbours 0.25 mm apart share Voronoi balls, so their noise
+// shows only from 1 mm apart.
 constexpr std::size_t noise_stride = 4;
 constexpr double table_step = 0.02; // mm between entries of the table of arc length
 
@@ -94,8 +94,8 @@ Axis::Axis(const std::vector<Vec3>& points) {
       }
     }
     at = best;
-    // The parameter is that of the foot of the perpendicular, since the nearest entry of the table would add noise
-    // along the axis.
+    // The parameter belongs to the foot of the perpendicular from the point on the spline. The nearest entry of the
+    // table would add noise along the axis.
     const auto here = spline_.derivatives(t_[at], 1);
     t[i] = s_[at] + (points[i] - Vec3(here.col(0))).dot(Vec3(here.col(1)).normalized());
   }

@@ -12,16 +12,16 @@ namespace anatomy {
 class Axis {
 public:
   Axis() = default;
-  /// points: mm, in order, about evenly spaced, at least 2. The first and the last have so large a weight that the
-  /// spline meets them.
+  /// Fits the spline to two or more `points` (mm), in order and about evenly spaced. The first and the last have so
+  /// large a weight that the spline meets them.
   explicit Axis(const std::vector<Vec3>& points);
 
   double length() const { return s_.back(); } ///< mm
   Vec3 at(double s) const;                    ///< point at arc length s; both in mm
   Vec3 tangent(double s) const;               ///< unit tangent at arc length s (mm)
-  double curvature(double s) const;           ///< 1/mm
+  double curvature(double s) const;           ///< 1/mm, at arc length s (mm)
   double torsion(double s) const; ///< 1/mm; 0 if the curvature is below 0.01 /mm, since torsion has no meaning there
-  double noise() const { return noise_; } ///< mm, as noise_of(points)
+  double noise() const { return noise_; } ///< noise_of(points), mm
 
 private:
   using Spline = Eigen::Spline<double, 3, 5>;

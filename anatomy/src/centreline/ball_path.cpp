@@ -4,8 +4,9 @@
 namespace anatomy {
 namespace {
 
-constexpr double wall_band_radii = 0.6; // radii before and behind a place: the wall in this band gives the direction
-// Radii from the place: includes the wall of oval vessels, but not of neighbouring ones.
+// Wall less than this before or behind a place (in radii, along the path) gives the direction there.
+constexpr double wall_band_radii = 0.6;
+// Such wall counts within so many radii of the place. This includes the wall of an oval vessel, but not of a neighbour.
 constexpr double wall_reach_radii = 2;
 // Cosine of the largest angle, 30 degrees, between the two directions in vessel_direction.
 constexpr double least_agreement_cosine = 0.87;

@@ -9,7 +9,7 @@ namespace anatomy {
 struct BallPath {
   std::vector<std::size_t> balls; ///< indices of the balls on the path
   std::vector<Vec3> points;       ///< mm
-  std::vector<double> radius, s;  ///< mm, of each ball; mm from the first point
+  std::vector<double> radius, s;  ///< mm: each ball's radius, and its arc length from the first point
 
   BallPath() = default;
   BallPath(const Balls& balls, const ShortestPaths& cheapest, std::size_t ball);
@@ -22,8 +22,9 @@ struct BallPath {
 };
 
 /// Unit direction of the vessel at `where` (mm) on the path. It is the direction most nearly perpendicular to the
-/// wall's normals round that place. The path's own direction would scatter by more than a degree, as the balls' centres
-/// do. The path's direction is used only where the two differ by more than 30 degrees, as where a side branch leaves.
+/// wall's normals round that place. The path's own direction would scatter by more than a degree, since the balls'
+/// centres scatter. It is used only where the two directions differ by more than 30 degrees, for example where a side
+/// branch leaves.
 Vec3 vessel_direction(const Mesh& mesh, const BallPath& path, double where);
 
 } // namespace anatomy

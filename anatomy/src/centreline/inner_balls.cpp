@@ -16,9 +16,9 @@ using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<std::size_t, Kern
 using CellBase = CGAL::Triangulation_cell_base_with_info_3<int, Kernel>;
 using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 
-constexpr double end_margin_radii =
-    1.1; // radii from an end's axis: farther places belong to a vessel that runs past the end
-// Radii of a ball: if all wall points that it touches are nearer to each other, they are one patch of the wall.
+// Places farther from an end's axis than this (in radii of the end) belong to a vessel that runs past the end.
+constexpr double end_margin_radii = 1.1;
+// A ball whose wall points all lie nearer to each other than this (in ball radii) touches only one patch of the wall.
 constexpr double one_patch_radii = 0.2;
 
 // Whether p lies beyond a cap, at any distance. A ball there may touch only the cap's rim, whose normals do not show
@@ -39,8 +39,9 @@ bool crosses_cap(const Vec3& a, const Vec3& b, const std::vector<End>& ends) {
   });
 }
 
-// Decides whether the circumcentre c of a cell is in the lumen. Rounding errors may have moved it. For four points of a
-// flat patch, such as a cap, it may be anywhere, and their normals do not show its side.
+// Decides whether the circumcentre c of a cell is in the lumen. Mostly the normals of the cell's four points, which the
+// caller has tested, show this. But for four points of a flat patch, such as the rim of a cap, rounding errors may put
+// c anywhere. Then the position of c in the mesh decides, which takes longer.
 class InsideTest {
 public:
   InsideTest(const Mesh& mesh, const std::vector<End>& ends) : mesh_(mesh), ends_(ends), box_(PMP::bbox(mesh)) {}

@@ -16,7 +16,7 @@ struct Balls {
 
 /// Returns the balls inside the lumen of a tagged mesh. The caps' inner vertices are left out, so that the Voronoi
 /// diagram runs straight through the ends.
-/// @param every uses only every n-th vertex. No ball becomes smaller by this, some become larger.
+/// @param every n, to use only every n-th vertex. No ball becomes smaller by this, some become larger.
 Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t every = 1);
 
 /// The cheapest paths from ball `from` to all others. The cost of a path is the integral of ds / R.
@@ -25,7 +25,7 @@ ShortestPaths cheapest_paths(const Balls& balls, std::size_t from);
 /// Whether a chain of neighbours leads from ball `from` to a ball farther than `reach` (mm) from p. Wall points on one
 /// circle or one sphere, as at a flat rim or a round end, form tetrahedra among themselves. The positions of their
 /// circumspheres are rounding errors, and no neighbour leads away from them.
-/// @param seen flags the balls that the search leaves out; those it visits are flagged, too
+/// @param seen flags of the balls that the search leaves out; the search flags the balls that it visits, too
 bool leads_away(const Balls& balls, std::size_t from, const Vec3& p, double reach, std::vector<bool>& seen);
 
 /// Returns the ball nearest to the end's centre that fills the end and leads into the vessel. Its radius is more than

@@ -7,12 +7,12 @@ namespace anatomy {
 namespace {
 
 constexpr double bin_length = 0.25; // mm of path over which the points of a Voronoi path are averaged
-// Radii of an end: the path nearer to its cap is left out, where few balls are left to average.
+// The path nearer to an end's cap than this (in radii of the end) is left out. Few balls are left there to average.
 constexpr double end_trim_radii = 0.5;
-// Least distance from an end's centre to the parent's inscribed tube, in radii of the end. A flat facet of the wall has
-// none.
+// Least distance of an end's centre outside the parent's inscribed tube, in radii of the end. A flat facet of the
+// parent's wall lies nearer.
 constexpr double least_stub = 0.3;
-constexpr double look_ahead = 1.5; // parent radii from the exit over which a side branch's direction is taken
+constexpr double look_ahead = 1.5; // the direction of a side branch is taken over so many parent radii from its exit
 
 double arc_length(const std::vector<Vec3>& points) {
   double length = 0;

@@ -11,8 +11,8 @@ struct Branch {
   int id = 0;             ///< 0, 1, ...
   int parent = -1;        ///< index of the branch it leaves; -1 for main
   std::size_t end = 0;    ///< index of the end at which it ends
-  double s_on_parent = 0; ///< mm, arc length on the parent's axis where its axis starts
-  double s_outside = 0;   ///< mm, arc length on its own axis where it leaves the parent's inscribed tube
+  double s_on_parent = 0; ///< mm, arc length on the parent's axis at which this branch's axis starts
+  double s_outside = 0;   ///< mm, arc length on this branch's axis at which it leaves the parent's inscribed tube
   Axis axis;
   std::vector<double> s, radius, curvature, torsion; ///< at samples, evenly spaced from end to end: mm, mm, 1/mm, 1/mm
   std::vector<Vec3> x;                               ///< mm, position of each sample
@@ -37,8 +37,8 @@ struct NearestAxis {
 std::vector<Branch> build_tree(const std::vector<Path>& paths, std::vector<End>& ends, std::size_t inlet,
                                const WallTree& wall, double step, const std::vector<int>& wanted);
 
-/// Finds the sample to whose inscribed ball p is nearest: with the least d^2 - R^2, VMTK's tube function. Samples of a
-/// branch inside its parent's tube are left out.
+/// Finds the sample to whose inscribed ball p is nearest. This sample has the least d^2 - R^2 (VMTK's tube function),
+/// with its distance d from p and its inscribed radius R. Samples of a branch inside its parent's tube are left out.
 NearestAxis nearest_axis(const std::vector<Branch>& branches, const Vec3& p);
 
 } // namespace anatomy

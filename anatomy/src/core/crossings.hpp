@@ -9,7 +9,7 @@ namespace anatomy {
 /// All pairs of triangles that cross each other.
 std::vector<std::pair<Face, Face>> crossings(const Mesh& mesh);
 
-/// Whether any two triangles cross: of the whole mesh, or among the given faces.
+/// Whether any two triangles of the mesh cross each other. With `faces`, only these are compared with each other.
 bool crosses_itself(const Mesh& mesh);
 bool crosses_itself(const Mesh& mesh, const std::vector<Face>& faces);
 

@@ -13,7 +13,7 @@ double surface_area(const Mesh& mesh);
 /// Volume (mm3) within a closed surface; negative if the normals point inward.
 double enclosed_volume(const Mesh& mesh);
 
-/// Mean radius (mm) of a closed surface: 2 volume / area, which is the radius of a long tube.
+/// Mean radius (mm) of the vessels within a closed surface: 2 volume / area. For a long tube this is the tube's radius.
 double mean_radius(const Mesh& mesh);
 
 /// Removes the vertices that belong to no face.

@@ -5,8 +5,8 @@ namespace anatomy {
 
 CostGraph::CostGraph(std::size_t nodes, const std::vector<Link>& links, const std::vector<double>& costs)
     : graph_(boost::edges_are_unsorted_multi_pass, links.begin(), links.end(), nodes) {
-  // The graph sorts its edges by their first node, and keeps the order of edges with the same first node. `sorted` has
-  // the costs in this order.
+  // Boost sorts the edges by their first node. Edges with the same first node keep their order. `sorted` has the costs
+  // in this new order.
   std::vector<std::size_t> next(nodes + 1, 0);
   for (const Link& link : links)
     ++next[link.first + 1];

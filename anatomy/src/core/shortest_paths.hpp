@@ -9,8 +9,8 @@ constexpr double unreached = 1e300; ///< cost of a node that no path reaches
 
 /// The cheapest paths from one start node to all nodes.
 struct ShortestPaths {
-  std::vector<double> cost; ///< of the cheapest path to each node; `unreached` if there is none
-  /// the previous node on the path to each node; the node itself at the start and if unreached.
+  std::vector<double> cost; ///< cost of the cheapest path to each node; `unreached` if there is none
+  /// For each node, the node before it on its path. For the start node and an unreached node it is the node itself.
   std::vector<std::size_t> previous;
 };
 

@@ -31,8 +31,8 @@ struct SectionSize {
 class Slices {
 public:
   explicit Slices(const Mesh& mesh);
-  /// The closed loop of the section round the frame's origin, as points in space (mm). If there are several, it is the
-  /// one with the smallest area; if there is none, it is empty.
+  /// The closed loop in which the frame's plane cuts the mesh round the frame's origin, as points in space (mm). Of
+  /// several such loops it is the one of the smallest area. It is empty if there is none.
   std::vector<Vec3> loop_around(const PlaneFrame& frame) const;
   /// Area and reach of the loop that loop_around returns.
   SectionSize section_size(const PlaneFrame& frame) const;

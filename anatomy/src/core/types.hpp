@@ -42,7 +42,7 @@ struct Repair {
   std::string what;
   std::size_t count;
   std::string detail;
-  bool warning = false; ///< whether it is also printed as a warning, since the user may not want it
+  bool warning = false; ///< whether the entry is also printed as a warning, because the user may object to the change
 };
 
 /// A flat end of the lumen, closed by a cap. `region` is the tag of the cap's faces in the property map "f:region", in
@@ -53,10 +53,10 @@ struct End {
   bool inlet = false;
   std::string branch;
   Vec3 centre = Vec3::Zero(); ///< mm
-  Vec3 normal = Vec3::Zero(); ///< unit, outward
+  Vec3 normal = Vec3::Zero(); ///< unit vector that points out of the lumen
   double area = 0;            ///< mm2
-  double extension = 0;       ///< mm of straight wall by which the end was moved outward
-  double radius() const;      ///< mm, of a circle with the same area
+  double extension = 0;       ///< length (mm) of straight wall that was added to move the end outward
+  double radius() const;      ///< radius (mm) of a circle with the same area
 };
 
 inline double End::radius() const {
@@ -64,7 +64,7 @@ inline double End::radius() const {
 }
 
 /// The tag of each face: 0 is wall, any other number is a cap. If the mesh has no tags, the first function creates
-/// them, with every face as wall; the second one needs them.
+/// them, with every face as wall. The second function needs a mesh with tags.
 inline RegionMap region_map(Mesh& mesh) {
   return mesh.add_property_map<Face, int>("f:region", 0).first;
 }

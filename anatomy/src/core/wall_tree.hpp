@@ -1,4 +1,4 @@
-// Distance to the wall without its caps. For a point on the axis this is the inscribed radius.
+// Distance from a point to the wall, without the caps. For a point on the axis this is the inscribed radius.
 #pragma once
 #include "core/types.hpp"
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
@@ -10,7 +10,7 @@ namespace anatomy {
 using FacePrimitive = CGAL::AABB_face_graph_triangle_primitive<Mesh>;
 using FaceTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, FacePrimitive>>;
 
-/// Finds the nearest of the wall faces (region 0) of a mesh. The mesh must outlive this object.
+/// Finds the nearest point and face of a mesh's wall (tag 0). The mesh must outlive this object.
 class WallTree {
 public:
   explicit WallTree(const Mesh& mesh);

@@ -10,7 +10,7 @@ namespace {
 
 using common::InputError;
 
-constexpr double opening_naming_radii = 3; // radii of an opening: a point nearer to its centre names it
+constexpr double opening_naming_radii = 3; // a point within so many radii of an opening's centre names the opening
 
 // Moves the loop's corners onto its plane; returns the largest move in mm.
 double move_onto_plane(Mesh& mesh, const Loop& loop) {
@@ -24,7 +24,8 @@ double move_onto_plane(Mesh& mesh, const Loop& loop) {
   return farthest;
 }
 
-// 1 if the faces' normals point outward, -1 if inward. It is the sign of the volume, with each opening closed by a fan.
+// 1 if the faces' normals point outward, -1 if inward. The sign of the enclosed volume tells, with each opening closed
+// by a fan.
 double normal_sense(const Mesh& mesh, const std::vector<Loop>& loops) {
   double volume = 0;
   for (Face f : mesh.faces())

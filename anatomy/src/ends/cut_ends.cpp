@@ -12,41 +12,41 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
-constexpr double least_prominence = 2; // mean radii: a tip of less prominence is a stub without an end of its own
-// Least prominence of a vessel with an end, in radii of its last ball. A sac, which is as wide as it is long, has less.
+constexpr double least_prominence = 2; // a tip of less prominence (in mean radii) is a stub without an end of its own
+// Least prominence of a vessel with an end, in radii of its last ball. A sac is as wide as long, and has less.
 constexpr double least_ball_prominence = 3;
-// Radii from the last ball's centre to the first plane that is tried, and from a plane to the section it is compared
-// with. A first plane that is tilted by 26 degrees still meets the wall behind the centre.
+// Distance from the last ball's centre to the first plane that is tried, and from a plane to the section it is compared
+// with, in radii. Even if the first plane is tilted by 26 degrees, it meets the wall behind the centre.
 constexpr double behind_ball_radii = 0.5;
-constexpr double plane_step_radii = 0.25; // radii between planes that are tried
-// Largest ratio of the radii of two inscribed balls that lie one radius apart along the axis. Where it is larger, the
-// tip still tapers, and no cut is made there.
+constexpr double plane_step_radii = 0.25; // distance between the planes that are tried, in ball radii
+// Largest ratio of the radii of two inscribed balls one radius apart along the axis. Where the ratio is larger the tip
+// still tapers, and no cut is made.
 constexpr double tip_taper_ratio = 1.15;
-// Largest ratio of the areas of two sections, half a radius apart, that count as alike: a taper of 12 degrees on each
+// Two sections half a radius apart count as alike up to this ratio of their areas. It is a taper of 12 degrees on each
 // side.
 constexpr double similar_area_ratio = 1.25;
-// Radii of an end: a tip less than this beyond the rim's farthest point belongs to the rim.
+// A tip less than this (in radii of the end) beyond the farthest point of an end's rim belongs to the rim.
 constexpr double rim_margin_radii = 0.4;
-// Radii of a ball: it counts as near to the tip if it is farther from the tip than the nearest ball by less than this.
+// A ball counts as near to a tip as the nearest ball if its gap to the tip is larger by less than this (in ball radii).
 constexpr double equal_gap_radii = 0.1;
-// Radii of a ball: largest distance of its surface from the tip. At the rim of a flat end the distance is 0.41.
+// Largest gap between a tip and the surface of its ball, in radii of the ball. At the rim of a flat end it is 0.41.
 constexpr double tip_reach_radii = 1;
-// Mean radii: first limit of the edges' length, halved until the inscribed balls connect all tips.
+// First limit of the edges' length, in mean radii. It is halved until the inscribed balls connect all tips.
 constexpr double first_edge_limit = 0.3;
-constexpr double finest_edge_limit = 0.075; // mean radii: smallest limit of the edges' length that is tried
-// Radii of a tip's ball: if its neighbours lead this far from the tip, the vessel goes on there.
+constexpr double finest_edge_limit = 0.075; // smallest limit of the edges' length that is tried, in mean radii
+// If neighbouring balls lead from a tip's ball this far from the tip (in radii of that ball), the vessel goes on there.
 constexpr double continuation_radii = 2;
-// Length of vessel (mm): a cut that loses more gives a warning, since an ostial lesion lies within 3 mm of the ostium.
+// A cut that loses more vessel than this (mm) gives a warning. An ostial lesion lies within 3 mm of the ostium.
 constexpr double most_unwarned_loss = 2;
-constexpr double cut_naming_radii = 3; // radii of the vessel: largest distance from a point of --cut to the axis
-// Radii of the cuts: tips whose cuts are nearer to each other are one end. A dome wider than the mean vessel may have
-// two tips.
+constexpr double cut_naming_radii = 3; // largest distance from a point of --cut to the axis, in radii of the vessel
+// Tips whose cuts are nearer to each other than this (in radii of the cuts) are one end. A dome wider than the mean
+// vessel may have two tips.
 constexpr double same_cut_radii = 0.5;
 
 // An end and the distance from its centre within which a tip is part of the end's rim.
 struct EndReach {
   const End* end;
-  double reach; // mm: a little more than to the cap's farthest vertex, which in an oval is well beyond the radius
+  double reach; // mm, to a little beyond the cap's farthest vertex; an oval cap reaches well beyond its radius
 };
 
 std::vector<EndReach> end_reaches(const Mesh& mesh, const std::vector<End>& ends) {
@@ -77,8 +77,8 @@ double gap_in_radii(const Vec3& p, const Balls& balls, std::size_t i) {
   return std::abs((balls.centre[i] - p).norm() - balls.radius[i]) / balls.radius[i];
 }
 
-// Index of the largest ball whose surface is within `near` of p, in radii of the ball. Neighbours must lead on from
-// this ball into a vessel. If there is none, the number of balls is returned, which is no valid index.
+// Index of the largest ball whose surface is within `near` of p, in radii of the ball. A chain of neighbours must lead
+// from this ball on into a vessel. If there is none, the number of balls is returned, which is no valid index.
 std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
   std::vector<std::size_t> touching;
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
@@ -106,8 +106,8 @@ std::vector<std::size_t> nearest_balls(const Vec3& p, const Balls& balls) {
 
 // The last inscribed ball of the vessel that ends at the tip: the largest ball that touches the tip and from which
 // neighbouring balls lead into the vessel. At a corner of a flat end's rim no ball touches the tip. On a rough wall the
-// touching balls may have no neighbours. Then it is the largest of the balls whose surfaces come nearest to the tip. If
-// no ball leads on there is no vessel, as in a sphere, and the nearest ball is returned.
+// touching balls may have no neighbours. In these cases the largest of the balls whose surfaces come nearest to the tip
+// is returned. If no ball leads on there is no vessel, as in a sphere, and the nearest ball is returned.
 std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
   const Vec3 p = vec(mesh.point(tip));
   if (const std::size_t touching = largest_ball_at(p, balls, 1e-6); touching < balls.centre.size())
@@ -120,8 +120,8 @@ std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
   std::vector<bool> seen(balls.centre.size(), false);
   for (std::size_t i : nearest)
     if (leads_away(balls, i, p, continuation_radii * balls.radius[i], seen)) {
-      // A larger ball is used only if it leads away from the tip, too. If its search fails after visiting ball i, no
-      // ball is returned, and i is used.
+      // A larger ball must lead farther from the tip. If that search fails, it may have visited ball i already, and
+      // then it finds no ball. In this case ball i is used.
       const std::size_t largest = largest_ball_at(p, balls, gap_in_radii(p, balls, i) + equal_gap_radii);
       return largest < balls.centre.size() ? largest : i;
     }
@@ -138,9 +138,9 @@ Plane plane_across(const Mesh& mesh, const BallPath& path, double where) {
   return {path.centre(where), vessel_direction(mesh, path, where), path.radius[path.index_at(where)]};
 }
 
-// The first plane across the vessel with a section like the section half a radius further in. It is at least half a
-// radius behind the last ball, and its cutting square covers the section. If no plane fits, the last one tried before
-// the middle of the path is returned, or the middle if none was tried.
+// Finds the first plane across the vessel whose section is like the section half a radius further in. The search starts
+// half a radius behind the last ball's centre. The plane's cutting square covers the section. If no plane fits, the
+// last one tried before the middle of the path is returned, or the middle if none was tried.
 Plane cut_plane(const Mesh& mesh, const Slices& slices, const BallPath& path) {
   Plane plane = plane_across(mesh, path, 0.5 * path.length());
   for (double where = behind_ball_radii * path.radius.front(); where < 0.5 * path.length();
@@ -177,8 +177,8 @@ Mesh with_short_edges(const Mesh& mesh, double longest) {
 
 // The tips of the surface: the local maxima of the distance along it, measured once from each of its two extremities
 // (tips_of). The most prominent come first. One extremity is not enough: a branch that leans towards it makes hardly a
-// maximum of the distance from it. Of two tips closer than `apart` (mm) the less prominent one is dropped.
-// `prominence` is the least one, in mm.
+// maximum of the distance from it. Of two tips closer than `apart` (mm) the less prominent one is dropped. `prominence`
+// (mm) is the least prominence of a tip.
 std::vector<Tip> tips_from_both(const Mesh& mesh, double prominence, double apart) {
   std::vector<Tip> all = tips_of(mesh, prominence), tips;
   const std::vector<Tip> from_far_end = tips_of(mesh, prominence, true);

@@ -8,12 +8,13 @@ namespace anatomy {
 /// The tip of a vessel that has no flat cap, and the plane that cuts the vessel flat behind the tip.
 struct RoundedEnd {
   Vertex tip;
-  Vec3 position;     ///< mm, position of the tip
-  Plane plane;       ///< of the cut: across the axis behind the last ball, where the section's area changes little
-  double radius = 0; ///< mm, of the last inscribed ball before the tip
-  /// mm, radius of the largest ball within half the prominence of the last ball. Balls at a rough tip are too small.
+  Vec3 position; ///< mm, position of the tip
+  Plane plane;   ///< plane of the cut, across the axis behind the last ball, where the section's area changes little
+  double radius = 0; ///< radius (mm) of the last inscribed ball before the tip
+  /// Radius (mm) of the largest ball on the axis up to half the prominence from the last ball. At a rough tip the last
+  /// ball itself is too small.
   double widest_ball = 0;
-  double prominence = 0;        ///< mm along the surface, as in Tip (repair/tips.hpp)
+  double prominence = 0;        ///< prominence (mm along the surface) of the tip, see Tip in repair/tips.hpp
   bool is_reachable = true;     ///< whether a path through inscribed balls leads from another tip to this one
   std::string too_short_reason; ///< why the vessel is too short to have an end; empty if it is long enough
 };
@@ -27,7 +28,7 @@ std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& e
 
 /// Returns the tips whose prominence is at least `prominence` mm and that lie at no rim of the tagged `ends`. Tips are
 /// sought by the distance from either extremity. The most prominent comes first. Any two are at least a mean radius
-/// apart. The mesh is as for rounded_ends.
+/// apart. The mesh must meet the same conditions as for rounded_ends.
 std::vector<Tip> tips_beside_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence);
 
 /// Cuts `end` off. This leaves an opening for cap_open_ends, and removed elements in the mesh. Throws InputError if the
@@ -35,8 +36,9 @@ std::vector<Tip> tips_beside_ends(const Mesh& mesh, const std::vector<End>& ends
 void cut_rounded(Mesh& mesh, const RoundedEnd& end, std::vector<Repair>& repairs);
 
 /// For each of `points` (mm), cuts the vessel across at the nearest point of its axis, and drops the side with the
-/// smaller area. `tagged` is the same mesh with its `ends` tagged; both are as for rounded_ends. Throws InputError if a
-/// point is more than three radii from the axis, or if the plane does not separate the vessel into two parts.
+/// smaller area. `tagged` is the same mesh with its `ends` tagged; both must meet the conditions of rounded_ends.
+/// Throws InputError if a point is more than three radii from the axis, or if the plane does not separate the vessel
+/// into two parts.
 void cut_across(Mesh& mesh, const Mesh& tagged, const std::vector<End>& ends, const std::vector<Vec3>& points,
                 std::vector<Repair>& repairs);
 

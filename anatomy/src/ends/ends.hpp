@@ -15,12 +15,13 @@ void drop_scraps_of_caps(Mesh& mesh, const std::set<int>& single_cap_tags, std::
 
 /// How far flatten_caps has moved vertices at most.
 struct CapMove {
-  double distance = 0; ///< mm, the largest move
-  double share = 0;    ///< the largest ratio of a move to the radius of the vertex's cap, maybe of another vertex
-  Vec3 moved_to = Vec3::Zero(); ///< mm, where the vertex with the move `distance` is afterwards
+  double distance = 0;          ///< mm, the largest move
+  double share = 0;             ///< largest ratio of a vertex's move to the radius of its cap; may be at another vertex
+  Vec3 moved_to = Vec3::Zero(); ///< mm, new place of the vertex that moved by `distance`
 };
 
-/// Moves the vertices of each tagged cap onto the cap's plane, which goes through its centroid along its mean normal.
+/// Moves the vertices of each tagged cap onto the cap's plane, which goes through the cap's centroid, perpendicular to
+/// its mean normal.
 CapMove flatten_caps(Mesh& mesh);
 
 /// Measures the ends, one per connected cap. Retags them 1, 2, ... by decreasing area, and returns them in this order.

@@ -10,18 +10,20 @@ namespace {
 using FacePrimitive = CGAL::AABB_face_graph_triangle_primitive<Mesh>;
 using FaceTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, FacePrimitive>>;
 
-// Largest ratio between the areas of a flat part and of the section behind it: a vessel that widens or narrows by 40
-// degrees on each side.
+// Largest ratio between the areas of a flat part and of the section behind it, if the part is an end. It allows a
+// vessel that widens or narrows by 40 degrees on each side.
 constexpr double largest_area_ratio = 2;
-// Largest ratio of the section's area to the part's on a rough surface, where one plane may hold only a part of a cap.
+// Largest ratio of the section's area to the flat part's on a rough surface. One plane may hold only a piece of a cap.
 constexpr double rough_part_ratio = 1.25;
-constexpr double most_flat_height = 0.07; // largest difference in height of a flat part's vertices, over its diameter
+constexpr double most_flat_height = 0.07; // largest height difference of a flat part's vertices, in its diameters
 constexpr double cos_tilt = 0.5;          // cosine of the largest tilt, 60 degrees
-// Radii of the part, from the part to the section. An outlet cut off close to its parent is no longer than this.
+// Depth of the section behind a flat part, in radii of the part. An outlet that was cut off close to its parent is no
+// longer than this.
 constexpr double section_depth_radii = 0.5;
-// Radii of the part: nearer wall is left out, since a rounded rim is neither cap nor wall.
+// The tilt is measured on wall farther behind the flat part than this, in radii of the part. A rounded rim is neither
+// cap nor wall.
 constexpr double rim_depth_radii = 0.25;
-constexpr double largest_ball = 20; // mm, radius from which the ball is shrunk: wider than any aorta
+constexpr double largest_ball = 20; // mm, radius at which the shrinking of the ball starts: wider than any aorta
 constexpr int most_shrinks = 40;    // largest number of times that the ball is shrunk
 
 } // namespace

@@ -16,10 +16,10 @@ struct Extruder {
 
   Vertex moved(Vertex v, const Vec3& by) { return to.add_vertex(point(vec(from.point(v)) + by)); }
 
-  // Adds `length` mm of straight wall at the rim of an end, in layers about as long as the rim's edges. `rim` has the
-  // new vertex of each rim vertex: first of the rim itself, then of the last layer.
+  // Adds `length` mm of straight wall at the rim of an end, in layers about as long as the rim's edges. `rim` maps each
+  // old vertex of the rim to a new one: on entry to its copy on the rim, on return to its copy on the last layer.
   void add_wall(const End& end, double length, std::map<Vertex, Vertex>& rim) {
-    std::vector<Halfedge> edges; // of the rim, on the wall's side
+    std::vector<Halfedge> edges; // halfedges along the rim, on the wall's side
     double perimeter = 0;
     for (Halfedge h : from.halfedges())
       if (region[from.face(h)] == 0 && region[from.face(from.opposite(h))] == end.region) {

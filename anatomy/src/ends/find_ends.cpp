@@ -12,29 +12,32 @@ namespace anatomy {
 namespace {
 using common::InputError;
 
-// Mean radii: least radius of a flat part that may be an end. Bumps of a few triangles are smaller.
+// Least radius of a flat part that may be an end, in mean radii. Bumps of a few triangles are smaller.
 constexpr double smallest_end_radius = 0.25;
-constexpr double least_off_plane = 0.03;  // mean radii: a flat part may always leave its plane by this much
-constexpr double largest_off_plane = 0.1; // mean radii: a flat part of a rough wall may leave its plane by this much
-constexpr double noise_multiple = 3;    // multiple of the wall's rms roughness by which a flat part may leave its plane
-constexpr double flat_naming_radii = 3; // radii of a flat or open end: a point this near names the end
-// Radii of a tip's last ball: a point this near to the tip names it. The ball's centre lies a radius behind the tip.
+// A flat part may leave its plane by `noise_multiple` times the wall's rms roughness. This limit is kept between
+// `least_off_plane` and `largest_off_plane` mean radii.
+constexpr double least_off_plane = 0.03;
+constexpr double largest_off_plane = 0.1;
+constexpr double noise_multiple = 3;
+constexpr double flat_naming_radii = 3; // a point within so many radii of a flat or open end's centre names the end
+// A point this near to a tip (in radii of the tip's last ball) names the tip. The ball's centre lies a radius behind
+// it.
 constexpr double tip_naming_radii = 4;
 constexpr int most_walls_shown = 12; // largest number of candidates taken for wall that are shown
-constexpr double least_prominence_unnamed =
-    2; // mean radii: least prominence of a tip that may be an end, if the user names no end
-constexpr double least_prominence_named = 1; // mean radii: least prominence of such a tip if the user names ends
+// Least prominence (in mean radii) of a tip that may be an end: if the user names no end, and if the user names ends.
+constexpr double least_prominence_unnamed = 2;
+constexpr double least_prominence_named = 1;
 
 // A candidate, with the faces or the cut that make it an end.
 struct CandidatePlace {
   EndCandidate candidate;
-  std::vector<Face> faces; // of its cap or flat part; empty for a rounded end
+  std::vector<Face> faces; // faces of its cap or flat part; empty for a rounded end
   RoundedEnd rounded{};
   bool named = false; // whether a point of the user names it
 
   bool is_rounded() const { return faces.empty(); }
   bool is_stub() const { return !rounded.too_short_reason.empty(); }
-  // Distance from p to this place, over the largest distance at which a point names the place. Below 1, p names it.
+  // Distance from p to this place, as a share of the largest distance at which a point names it. Below 1, p names it.
   double distance(const Vec3& p) const {
     return is_rounded()
                ? (p - rounded.position).norm() / (tip_naming_radii * (is_stub() ? rounded.widest_ball : rounded.radius))

@@ -22,10 +22,10 @@ struct EndCandidate {
   /// open: an opening; given: already tagged; flat: a flat part of the wall; rounded: a vessel's tip
   std::string kind;
   Vec3 centre = Vec3::Zero();
-  double diameter = 0;  ///< mm, of a disc of the same area; of a rounded end: of the vessel's last ball
-  double width = 0;     ///< mm, minor axis as in PatchPlane; of a rounded end: as `diameter`
-  double off_plane = 0; ///< mm along its normal between the innermost and the outermost vertex; rounded: 0
-  EndEvidence evidence; ///< of open and flat places
+  double diameter = 0;  ///< mm, of a disc of the same area; for a rounded end the diameter of the vessel's last ball
+  double width = 0;     ///< mm, minor axis (see PatchPlane); for a rounded end the same as `diameter`
+  double off_plane = 0; ///< mm along the normal from the innermost to the outermost vertex; 0 for a rounded end
+  EndEvidence evidence; ///< measured at open and flat places only
   bool is_end = false;
   std::string why; ///< reason for the decision
 };
@@ -36,9 +36,9 @@ struct EndCandidate {
 /// - If outlets are named, these and the inlet are the only ends, and all other places become wall. Without a named
 ///   inlet, the largest other end is the inlet.
 /// - If `named.tagged`, no flat parts are sought, and rounded tips stay closed unless a point names them.
-/// least_radius: mm, smallest radius of a flat end. Returns the candidates: first the ends, then the widest of those
-/// taken for wall. Throws InputError if nothing ends near a point, if two points name the same end, or if an opening
-/// has no point. The same holds if a rounded end has no axis or cannot be cut flat.
+/// `least_radius` (mm) is the smallest radius of a flat end. Returns the candidates: first the ends, then the widest of
+/// those taken for wall. Throws InputError if nothing ends near a point, if two points name the same end, or if an
+/// opening has no point. It also throws if a rounded end has no axis or cannot be cut flat.
 std::vector<EndCandidate> find_ends(Mesh& mesh, NamedEnds named, double least_radius, std::vector<Repair>& repairs);
 
 /// The faces of each untagged flat part of a closed mesh that closes a vessel of at least this radius (mm).

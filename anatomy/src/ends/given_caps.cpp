@@ -18,14 +18,16 @@ using Iterator = std::vector<Kernel::Triangle_3>::const_iterator;
 using Primitive = CGAL::AABB_triangle_primitive<Kernel, Iterator>;
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
-// Radii of the cap: largest distance from the cap to the centre of a face that lies on it.
+// Largest distance from a cap to the centre of a face that lies on it, in radii of the cap.
 constexpr double on_cap_radii = 0.02;
 // Cosine of the largest angle, 26 degrees, between a face on the cap and the cap's triangle nearest to it.
 constexpr double least_cap_cosine = 0.9;
-// Radii of the cap: a corner nearer to the cap lies on it. Files store coordinates in single precision.
+// A face's corner lies on the cap if it is nearer than this, in radii of the cap. Files store coordinates in single
+// precision.
 constexpr double same_point_radii = 1e-5;
-constexpr double least_covered = 0.5; // least share of the cap's area that faces on it must cover
-// Radii of cap and end: largest mean distance between the two, since wall and cap may come from different meshes.
+constexpr double least_covered = 0.5; // least share of the cap's area that the faces on it must cover
+// Largest mean distance between a cap and its end, in radii of the smaller one. Wall and cap may come from different
+// meshes.
 constexpr double rim_distance_radii = 0.5;
 // Least sine of the angle between the cap and the faces beside the rim that it closes.
 constexpr double least_turn_sine = 0.1;
@@ -61,7 +63,7 @@ bool lie_at_cap(const std::vector<Vec3>& places, double area, const SearchableCa
 // tested, since the middle of a dome may be far from the opening.
 bool closes(const SearchableCap& cap, const Mesh& mesh, const Loop& loop) {
   std::vector<Vec3> rim;
-  double from_cap = 0, from_rim_edge = 0; // mm, sums over the middles of the faces beside the rim
+  double from_cap = 0, from_rim_edge = 0; // sums of distances (mm) of the middles of the faces beside the rim
   for (Halfedge h : CGAL::halfedges_around_face(loop.halfedge, mesh)) {
     const Vec3 a = vec(mesh.point(mesh.source(h))), b = vec(mesh.point(mesh.target(h)));
     rim.push_back(b);
@@ -73,7 +75,7 @@ bool closes(const SearchableCap& cap, const Mesh& mesh, const Loop& loop) {
 }
 
 // The faces that lie on the cap. A face of almost no area has no reliable direction. So a face whose direction differs
-// from the cap's lies on it if its corners do.
+// from the cap's still lies on the cap if all its corners do.
 std::vector<Face> faces_on(const Mesh& mesh, const SearchableCap& cap) {
   const auto is_on_cap = [&](Face f) {
     const auto [nearest, triangle] = cap.tree.closest_point_and_primitive(point(centroid(mesh, f)));
@@ -93,7 +95,7 @@ std::vector<Face> faces_on(const Mesh& mesh, const SearchableCap& cap) {
   return faces;
 }
 
-// Centres (mm) of the ends that the cap closes: of openings, and of caps that the surface itself tags.
+// Centres (mm) of the ends that the cap closes. They may be openings, or caps that the surface itself tags.
 std::vector<Vec3> ends_closed_by(const Mesh& mesh, const SearchableCap& cap) {
   std::vector<Vec3> centres;
   for (const Loop& loop : boundary_loops(mesh))

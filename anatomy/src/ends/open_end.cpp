@@ -10,16 +10,17 @@ namespace {
 
 using common::InputError;
 
-// Radii of the rim: a rim with a corner farther from its plane is ragged, however fine its triangles.
+// A rim with a corner farther from its plane than this (in radii of the rim) is ragged, however long its edges.
 constexpr double largest_move_radii = 0.25;
-constexpr double largest_loss_radii = 1; // radii of the rim: greatest length of vessel that a cut may lose
-constexpr double flat_tolerance = 0.05; // edge lengths: a rim nearer to its plane is as flat as a file's digits can say
+constexpr double largest_loss_radii = 1; // greatest length of vessel that a cut may lose, in radii of the rim
+// A rim nearer to its plane than this (in edge lengths) is as flat as a file's digits can say.
+constexpr double flat_tolerance = 0.05;
 constexpr double least_kept_area = 0.2; // least share of its area that a triangle must keep when the rim is flattened
-constexpr double notch_margin = 0.5;    // edge lengths, from the rim's deepest notch to the cutting plane
-constexpr double apex_radii = 0.5;      // radii of the rim, from its outermost corner to the fan's apex
-// Largest distance of the rim's corners from the centre, over the cutting square's half width.
+constexpr double notch_margin = 0.5;    // distance from the rim's deepest notch to the cutting plane, in edge lengths
+constexpr double apex_radii = 0.5; // distance from the rim's outermost corner to the fan's apex, in radii of the rim
+// Largest distance of the rim's corners from the centre, as a share of the cutting square's half width.
 constexpr double corner_reach = 0.8;
-// A rim, with heights over its least-squares plane.
+// A rim, with the heights of its corners over its plane (`Loop::normal`).
 struct Rim {
   std::set<Vertex> corners;
   double spacing = 0;                   // mm, mean length of the edges at the corners

@@ -7,14 +7,14 @@ namespace anatomy {
 
 /// An open end as it was found, and the plane for cutting it if it is ragged.
 struct OpenEnd {
-  Vec3 centre = Vec3::Zero();    ///< mm, of the rim
-  double area = 0;               ///< mm2, within the rim, projected on the rim's plane
-  double spacing = 0;            ///< mm, mean length of the edges at the rim's corners
-  Plane plane;                   ///< parallel to the rim's plane, half an edge behind the rim's deepest notch
+  Vec3 centre = Vec3::Zero(); ///< mm, centre of the rim
+  double area = 0;            ///< mm2, area within the rim, projected on the rim's plane
+  double spacing = 0;         ///< mm, mean length of the edges at the rim's corners
+  Plane plane; ///< plane of the cut: parallel to the rim's plane, half an edge behind the rim's deepest notch
   Vec3 outermost = Vec3::Zero(); ///< mm, the rim's outermost corner
   double depth = 0;              ///< mm, from `outermost` to the plane: the length of vessel that a cut there loses
-  bool ragged = false;           ///< whether flattening the rim would damage it, as open_end says
-  int tag = 0;                   ///< of its flat cap; 0 for a ragged end, which is closed without flattening
+  bool ragged = false;           ///< whether flattening the rim would do damage (see open_end)
+  int tag = 0;                   ///< tag of its flat cap; 0 for a ragged end, which is closed without flattening
 };
 
 constexpr const char* cut_remedy = "cut the end by a plane across the vessel";

@@ -9,10 +9,10 @@ namespace anatomy {
 /// patches do not overlap. The mesh must hold no removed faces.
 std::vector<std::vector<Face>> planar_patches(const Mesh& mesh, double off_plane, double least_area);
 
-/// The plane through the centroid of some faces, along their mean normal, and their size.
+/// The plane through the centroid of some faces, perpendicular to their mean normal, and the faces' size.
 struct PatchPlane {
-  Vec3 centre = Vec3::Zero(), normal = Vec3::Zero(); ///< mm; unit, outward
-  double area = 0;                                   ///< mm2, projected on the plane
+  Vec3 centre = Vec3::Zero(), normal = Vec3::Zero(); ///< centroid (mm); mean normal, unit, outward
+  double area = 0;                                   ///< mm2, area projected on the plane
   double width = 0;                                  ///< mm, minor axis of the ellipse with the faces' second moments
   double lowest = 0, highest = 0;                    ///< mm, smallest and largest height of a vertex over the plane
 };

@@ -104,7 +104,7 @@ double cut_at_plane(Mesh& mesh, const Plane& plane, Vertex tip, const std::strin
     std::swap(drop, other);
   if (tip != Mesh::null_vertex() && (!contains_vertex(mesh, drop, tip) || contains_vertex(mesh, other, tip)))
     refuse(plane, remedy);
-  if (surface_area(mesh, drop) > 0.5 * surface_area(mesh)) // the two sides are connected elsewhere
+  if (surface_area(mesh, drop) > 0.5 * surface_area(mesh)) // then the two sides are connected elsewhere
     refuse(plane, remedy);
   const double lost = remove_faces(mesh, drop);
   PMP::keep_largest_connected_components(mesh, 1); // drops bumps of a rough wall that the plane has cut off

@@ -6,8 +6,8 @@ namespace anatomy {
 
 /// The plane of a cut.
 struct Plane {
-  Vec3 centre, normal; ///< mm; unit normal along the vessel, away from the side to be dropped
-  double radius;       ///< mm, of the vessel there; it sets the size of the cutting square
+  Vec3 centre, normal; ///< mm; unit normal along the vessel, which points away from the side to be dropped
+  double radius;       ///< radius (mm) of the vessel there, which sets the size of the cutting square
 };
 
 /// Least ratio of the cutting square's half width to the section's farthest distance from the plane's centre.
@@ -25,7 +25,7 @@ double cut_at_plane(Mesh& mesh, const Plane& plane, Vertex tip, const std::strin
 /// mm2.
 double cut_and_keep(Mesh& mesh, const Plane& plane, Vertex vertex, const std::string& remedy);
 
-/// Adds a cut to `repairs`, as `what`, with its radius, its place and the area `lost` (mm2).
+/// Adds an entry named `what` to `repairs`, with the cut's radius, its place and the area `lost` (mm2).
 void report_cut(std::vector<Repair>& repairs, const std::string& what, const Plane& plane, double lost);
 
 } // namespace anatomy

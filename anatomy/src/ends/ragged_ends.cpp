@@ -10,13 +10,14 @@ namespace anatomy {
 namespace {
 using common::InputError;
 
-constexpr double cap_area_tolerance = 0.02;   // largest relative change of a sound cap's area
-constexpr double cap_height_tolerance = 0.25; // edge lengths: largest distance of a sound cap's vertices from its plane
-constexpr double rim_area_tolerance =
-    0.25; // largest relative difference between the areas of a section and of the sawtooth rim
+constexpr double cap_area_tolerance = 0.02; // largest relative change of a sound cap's area
+// Largest distance of a sound cap's vertices from its plane, in edge lengths.
+constexpr double cap_height_tolerance = 0.25;
+// Largest relative difference between the area of a section and the area within the sawtooth rim.
+constexpr double rim_area_tolerance = 0.25;
 constexpr double section_area_tolerance = 0.05; // largest relative difference between the areas of like sections
-constexpr double step_tolerance =
-    0.05;                        // radii: largest difference between the steps from one section's centre to the next
+// Largest difference between the steps from one section's centre to the next, in radii.
+constexpr double step_tolerance = 0.05;
 constexpr int most_attempts = 8; // largest number of planes tried, each an edge length farther in
 
 // The vertex nearest to p (mm) on the side that the plane cuts off. Repairs may have moved the rim's corners, so p may
@@ -59,7 +60,7 @@ struct OpenedMesh {
 };
 
 // Cuts a copy of the mesh by `plane`, which lies `deeper` mm behind the end's own plane. Returns nothing if the cut
-// fails or does not leave exactly one opening. The same holds if the opening's area differs from the rim's by more than
+// fails or does not leave exactly one opening, or if the opening's area differs from the rim's by more than
 // rim_area_tolerance.
 std::optional<OpenedMesh> open_behind(const Mesh& mesh, const OpenEnd& end, const Plane& plane, double deeper) {
   OpenedMesh out{mesh, {}, 0, end.depth + deeper};

@@ -1,4 +1,4 @@
-// Cuts off open ends with a sawtooth rim, as deleted triangles leave it. Flattening such a rim would fold the triangles
+// Cuts off open ends with a sawtooth rim, which deleted triangles leave. Flattening such a rim would fold the triangles
 // beside it.
 #pragma once
 #include "ends/open_end.hpp"

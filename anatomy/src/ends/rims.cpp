@@ -4,14 +4,14 @@
 namespace anatomy {
 namespace {
 
-// Least ratio of the section's area to the end's for a rounded rim: a vessel that widens by 6 degrees on each side over
-// half a radius.
+// The rim counts as rounded if the section's area is at least this many times the end's. A vessel without a rounded rim
+// would have to widen by 6 degrees on each side over half a radius.
 constexpr double rounded_rim_ratio = 1.1;
-// Largest ratio of the area of a section further in to that of the plane chosen: a plane further in would gain little.
+// A plane is deep enough if the section further in is less than this times as large: a deeper cut would gain little.
 constexpr double settled_area_ratio = 1.05;
-constexpr double comparison_radii = 0.5; // radii of the section, from a plane to the section further in
-constexpr double rim_step_radii = 0.05;  // radii of the section, between planes that are tried
-constexpr double deepest_radii = 0.75;   // radii of the section, from the end to the last plane that is tried
+constexpr double comparison_radii = 0.5; // distance from a plane to the section further in, in radii of the section
+constexpr double rim_step_radii = 0.05;  // distance between planes that are tried, in radii of the section
+constexpr double deepest_radii = 0.75; // distance from the end to the last plane that is tried, in radii of the section
 
 } // namespace
 

@@ -1,4 +1,4 @@
-// Reads surface files: STL (ASCII or binary), VTP, PLY and OBJ. Of a labelled mask it makes the surface.
+// Reads surface files: STL (ASCII or binary), VTP, PLY and OBJ. From a labelled mask it makes the surface.
 #pragma once
 #include "core/types.hpp"
 #include <optional>
@@ -8,12 +8,13 @@
 
 namespace anatomy {
 
-/// Reads a surface file as triangles in mm, whatever their extent. Throws as read_surface, except for the size.
+/// Reads a surface file as triangles in mm, whatever their extent. Throws the same errors as read_surface, but accepts
+/// any size and needs one triangle only.
 vtkSmartPointer<vtkPolyData> read_triangles(const std::string& path, const std::string& units);
 
 /// Reads a surface as triangles in mm. Point and cell arrays of a VTP are kept.
 /// @param units the file's length unit: "mm", "cm" or "m"
-/// @param labels of a mask, taken together; empty for its only label (mask/mask_file.hpp)
+/// @param labels labels of a mask that are taken together; empty for its only label (mask/mask_file.hpp)
 /// @param repairs takes a note of the parts of a mask that are left out
 /// @param inlet a point (mm) in the part of a mask that is kept; without it the largest part is kept
 /// Throws InputError for an unknown suffix or unit, a missing or unreadable file, fewer than 4 triangles, or a
@@ -39,8 +40,8 @@ std::string sha256_of_file(const std::string& path);
 /// Millimetres per unit; throws InputError for a unit other than mm, cm, m.
 double millimetres_per(const std::string& units);
 
-/// Throws InputError if this bounding diagonal (mm) is not plausible for a lumen (4 to 500 mm). `units` are the
-/// declared ones.
+/// Throws InputError if this bounding diagonal (mm) is not plausible for a lumen (4 to 500 mm). `units` is the declared
+/// unit.
 void check_diagonal(double diagonal_mm, const std::string& units, const std::string& path);
 
 /// Throws InputError if the mean radius 2 V/A (mm) is not a coronary lumen's (0.3 to 6 mm).

@@ -8,9 +8,9 @@
 namespace anatomy {
 namespace {
 
-constexpr double vessel_length_voxels = 8; // longest voxel edges: a shorter piece counts as noise, not as a vessel
-constexpr std::size_t noise_voxels = 8;    // voxels: more of them in cavities give a warning
-constexpr int most_empty_slices = 3;       // empty slices that count as not segmented; more of them separate two trees
+constexpr double vessel_length_voxels = 8; // a piece shorter than this (in longest voxel edges) is noise, not a vessel
+constexpr std::size_t noise_voxels = 8;    // more voxels than this in cavities give a warning
+constexpr int most_empty_slices = 3; // so many empty slices count as not segmented; more of them separate two trees
 
 using Voxel = std::array<int, 3>;
 
@@ -131,8 +131,9 @@ std::size_t nearest_piece(const std::vector<Piece>& pieces, const Eigen::Vector3
   return best;
 }
 
-// Throws InputError if one to three slices without the label separate the kept piece from another piece as long as a
-// vessel, which continues it behind them. Such slices were not segmented, so the gap is no end of the vessel.
+// Throws InputError if one to three slices without the label lie between the kept piece and another piece as long as a
+// vessel. The other piece must go on behind the slices where the kept one ends. Such slices were not segmented, so the
+// gap is no end of the vessel.
 void check_no_empty_slice(vtkImageData* ranks, const std::vector<Piece>& pieces, std::size_t kept, const Mask& mask) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::set<int> filled;

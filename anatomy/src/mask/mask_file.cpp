@@ -28,14 +28,15 @@ namespace {
 
 using common::InputError;
 
-constexpr double smoothing = 0.85;  // voxels: standard deviation of the narrower Gaussian
-constexpr double kernel_reach = 4;  // standard deviations at which a Gaussian kernel is cut off
-constexpr int padding = 8;          // voxels: margin round the label, as the wider kernel reaches 2 * 0.85 * 4 = 6.8
-constexpr double spur_share = 0.01; // share of the largest piece's triangles: a smaller piece is a spur of a few voxels
-constexpr std::size_t fewest_contact_faces = 4; // voxel faces shared with other labels: fewer give no warning
-constexpr double wall_contact_share = 0.2;      // share of the label's outer faces: labels that touch more are its wall
-constexpr double flattest_voxel =
-    1e-6; // least volume of a voxel over the product of its edges; skewed voxels have far more
+constexpr double smoothing = 0.85; // standard deviation of the narrower Gaussian, in voxels
+constexpr double kernel_reach = 4; // a Gaussian kernel is cut off at so many standard deviations
+constexpr int padding = 8;         // voxels of margin round the label, as the wider kernel reaches 2 * 0.85 * 4 = 6.8
+// A piece with a smaller share of the largest piece's triangles is a spur of a few voxels.
+constexpr double spur_share = 0.01;
+constexpr std::size_t fewest_contact_faces = 4; // fewer voxel faces shared with other labels give no warning
+constexpr double wall_contact_share = 0.2; // labels that touch a larger share of the label's outer faces are its wall
+// Least volume of a voxel over the product of its edges. Skewed voxels have far more.
+constexpr double flattest_voxel = 1e-6;
 
 std::string suffix_of(const std::string& path) {
   std::string lower = path;
@@ -47,7 +48,8 @@ std::string suffix_of(const std::string& path) {
 }
 
 // Affine from voxel index to the frame of a NIfTI file: its sform, else its qform, else the voxel sizes. VTK's matrices
-// map the index times the voxel size, so their columns are scaled here. They follow the reader's order of slices.
+// map the index times the voxel size, so their columns are scaled here. VTK has adapted the matrices to its reader's
+// order of slices.
 Eigen::Matrix4d nifti_affine(vtkNIFTIImageReader& reader) {
   vtkMatrix4x4* matrix = reader.GetSFormMatrix() ? reader.GetSFormMatrix() : reader.GetQFormMatrix();
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();

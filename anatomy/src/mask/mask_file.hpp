@@ -16,11 +16,11 @@ struct Mask {
   Eigen::Matrix4d to_file = Eigen::Matrix4d::Identity();
 };
 
-/// Whether the suffix is a mask's: .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd.
+/// Whether the suffix is one of a mask: .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd.
 bool is_mask_file(const std::string& path);
 
 /// Reads a mask. Throws InputError if it is unreadable or not three-dimensional, or if the affine gives the voxels no
-/// volume. It also does so for voxels with several components or with values that are not whole numbers.
+/// volume. It also throws for voxels with several components or with values that are not whole numbers.
 Mask read_mask(const std::string& path);
 
 /// The surface of one label, or of several taken together, in the file's unit. The image that is 1 in the label and 0
@@ -36,7 +36,7 @@ Mask read_mask(const std::string& path);
 vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, const std::vector<int>& wanted, const std::string& path,
                                               const std::optional<Vec3>& inlet, std::vector<Repair>& repairs);
 
-constexpr const char* voxel_edge_array =
-    "voxel_edge"; ///< field data of the surface: longest edge of a voxel as segmented, in the file's unit
+/// Field data of the surface: the longest edge of a voxel as segmented, in the file's unit.
+constexpr const char* voxel_edge_array = "voxel_edge";
 
 } // namespace anatomy

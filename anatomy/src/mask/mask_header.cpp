@@ -19,8 +19,8 @@ namespace {
 
 using common::InputError;
 using Fields = std::map<std::string, std::string>;
-constexpr std::uintmax_t largest_packing_ratio =
-    1100;                                // largest ratio of voxel bytes to packed bytes; deflate's limit is 1032
+// Largest ratio of voxel bytes to packed bytes. Deflate's limit is 1032.
+constexpr std::uintmax_t largest_packing_ratio = 1100;
 constexpr std::size_t longest_key = 200; // characters; VTK's reader of MetaImage overruns its memory from 255 on
 
 bool is_text(const std::string& line) {
@@ -67,8 +67,8 @@ void check_meta_lines(const std::string& path) {
   }
 }
 
-// The values by key of the lines "key <separator> value". Reading ends at the first empty line, behind the key `last`,
-// or at a line with a control character.
+// The values by key of the lines "key <separator> value". Reading ends after the line with the key `last`, at the first
+// empty line, or at a line with a control character.
 Fields header_of(const std::string& path, char separator, const std::string& last) {
   std::ifstream file(path, std::ios::binary);
   Fields fields;
@@ -137,8 +137,8 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-// Throws InputError if the file of the voxels is too short for `bytes`. `data` names it beside the header; if empty the
-// voxels are in the header's file. `packed`: whether they are compressed.
+// Throws InputError if the file with the voxels is too short for `bytes`. `data` is the name of this file, beside the
+// header. If the name is empty, the voxels are in the header's file. `packed` says that they are compressed.
 void check_length(const std::filesystem::path& header, const std::string& data, std::uintmax_t bytes, bool packed) {
   const std::filesystem::path file = data.empty() ? header : header.parent_path() / data;
   std::error_code error;
@@ -238,8 +238,8 @@ void check_nrrd_fields(const std::string& path, const Fields& fields) {
   if (!one_byte)
     check("endian", {"little", "big"});
   const std::string data = trimmed(field(fields, {"data file", "datafile"}));
-  // VTK's reader fails in two cases on voxels written as text. In one file with the header it reads the header as
-  // voxels. With a one-byte type it reads each character as a label.
+  // VTK's reader fails on voxels written as text in two cases. If they are in the header's file, it reads the header as
+  // voxels. If their type has one byte, it reads each character as a label.
   if (one_byte || data.empty())
     check("encoding", {"raw", "gz", "gzip"});
   else

@@ -19,9 +19,9 @@ Eigen::Matrix4d nrrd_affine(const std::string& path);
 /// their older names). Throws InputError if a line cannot be read.
 Eigen::Matrix4d meta_affine(const std::string& path);
 
-/// Throw InputError if a file is too short to hold `bytes` of voxels, compressed or not as its header or the suffix .gz
-/// says. Compressed voxels of a MetaImage are unpacked as a check. VTK's readers accept a file of any size, and leave
-/// missing voxels uninitialised.
+/// Throw InputError if a file is too short to hold `bytes` of voxels. The header or the suffix .gz says whether the
+/// voxels are compressed. Compressed voxels of a MetaImage are unpacked as a check. VTK's readers accept a file of any
+/// size, and leave missing voxels uninitialised.
 void check_nrrd_length(const std::string& path, std::uintmax_t bytes);
 void check_meta_length(const std::string& path, std::uintmax_t bytes);
 void check_nifti_length(const std::string& path, std::uintmax_t bytes);

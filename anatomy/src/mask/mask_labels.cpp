@@ -12,7 +12,7 @@ namespace {
 
 using common::InputError;
 
-constexpr std::size_t most_named = 10; // labels that a message lists
+constexpr std::size_t most_named = 10; // largest number of labels that a message lists
 constexpr double largest_label = 2e9;  // largest absolute value of a label, since labels are stored as int
 constexpr double fullest_image = 0.9;  // largest share of the image in a label; a tube fills pi / 4 of its bounding box
 

@@ -4,7 +4,7 @@
 namespace anatomy {
 namespace {
 
-constexpr double far_off = 2; // inscribed radii from the axis to the tip: such a stub stands out by a radius
+constexpr double far_off = 2; // a tip farther from the axis (in inscribed radii) is a stub's: it stands out by a radius
 
 } // namespace
 

@@ -7,8 +7,8 @@ namespace anatomy {
 /// A stub that counts as wall. It is represented by the line from the nearest branch's axis to the stub's tip.
 struct ClosedStub {
   std::size_t branch = 0; ///< index of the nearest branch
-  double s = 0;           ///< mm along its axis, to the point `from`
-  Vec3 from, tip;         ///< mm
+  double s = 0;           ///< arc length (mm) of the point `from` on that branch's axis
+  Vec3 from, tip;         ///< mm, ends of the stub's line: on the axis, and at the tip
 
   /// Whether p is nearer to the stub's line than to the axis point `on_axis`, and lies on the stub's side of that
   /// point.

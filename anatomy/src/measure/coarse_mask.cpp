@@ -7,12 +7,12 @@ namespace {
 // Limits of a lumen's radius, in voxel edges. Below lost_voxels (masks) or lost_smoothed (surfaces) the measured area
 // depends on where the lumen lies on the grid (anatomy/measured.md). Below thread_voxels the error is larger still.
 constexpr double lost_voxels = 1.1;   // such a lumen is a chain of voxels that touch at their corners only
-constexpr double lost_smoothed = 1.5; // larger, as another program's smoothing narrows the lumen by up to 0.3 voxels
+constexpr double lost_smoothed = 1.5; // larger, as other programs' smoothing narrows the lumen by up to 0.3 voxels
 constexpr double thread_voxels = 0.5; // a throat of 0.47 voxels in radius was measured as 0.24
 // Possible error of a lumen's area, in per cent.
-constexpr double thread_error = 75;     // of a radius below thread_voxels
-constexpr double lost_error = 50;       // of a larger radius, up to lost_voxels or lost_smoothed
-constexpr double few_voxels_error = 25; // of a still larger radius, up to fewest_voxels
+constexpr double thread_error = 75;     // for a radius below thread_voxels
+constexpr double lost_error = 50;       // for a larger radius, up to lost_voxels or lost_smoothed
+constexpr double few_voxels_error = 25; // for a still larger radius, up to fewest_voxels
 
 // Possible error in per cent of an area (mm2); 0 if the voxels are small enough for it.
 double area_error(double area, const Voxels& voxels) {

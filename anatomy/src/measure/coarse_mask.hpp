@@ -6,8 +6,8 @@ namespace anatomy {
 
 /// The size and the source of the voxels in which a lumen was segmented.
 struct Voxels {
-  double edge = 0;        ///< mm, a voxel's longest edge; 0: not known
-  bool from_mask = false; ///< whether a mask file gives it; else it was inferred from the vertices of a surface
+  double edge = 0;        ///< longest edge (mm) of a voxel; 0 if not known
+  bool from_mask = false; ///< whether a mask file gives the edge; else it is inferred from the vertices of a surface
 };
 
 /// Appends a note if sections have a radius below fewest_voxels voxel edges, with the place and radius of the
@@ -22,6 +22,6 @@ std::string area_error_line(const Voxels& voxels);
 /// Sets each lesion's mla_error: the possible error (per cent) of its smallest area by the voxels.
 void set_area_errors(std::vector<Lesion>& lesions, const Voxels& voxels);
 
-constexpr double fewest_voxels = 2; ///< voxel edges: the area of a lumen with a smaller radius may be wrong
+constexpr double fewest_voxels = 2; ///< the area of a lumen with a smaller radius (in voxel edges) may be wrong
 
 } // namespace anatomy

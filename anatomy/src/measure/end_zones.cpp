@@ -4,10 +4,11 @@
 namespace anatomy {
 namespace {
 
-constexpr double wide_end_ratio = 1.1;       // diameter at an end over the reference, from which a warning is given
-constexpr double near_end_radii = 2.5;       // reference radii: a lesion nearer to an end counts as beside it
-constexpr double least_end_stenosis = 20;    // per cent diameter stenosis at an end, from which a warning is given
-constexpr double least_further_stenosis = 5; // percentage points by which the next measured section is less narrowed
+constexpr double wide_end_ratio = 1.1;    // least ratio of the diameter at an end to the reference that gives a warning
+constexpr double near_end_radii = 2.5;    // a lesion nearer to an end than this (in reference radii) is beside the end
+constexpr double least_end_stenosis = 20; // least diameter stenosis (per cent) at an end that gives a warning
+// Percentage points by which the stenosis at an end must exceed the one in the next measured section.
+constexpr double least_further_stenosis = 5;
 
 struct WidestPlace {
   double s = 0, diameter = 0, ratio = 0;
@@ -24,7 +25,7 @@ WidestPlace widest_between(const Branch& branch, const ReferenceProfile& profile
   return best;
 }
 
-// The section of branch number `b` nearest to arc length s (mm), in an end zone or not; null if there is none.
+// The section of branch number `b` nearest to arc length s (mm), which may lie in an end zone; null if there is none.
 const Section* nearest_section(const Branch& branch, const std::vector<Section>& sections, std::size_t b, double s) {
   const Section* nearest = nullptr;
   for (const Section& one : sections)
@@ -71,8 +72,8 @@ void note_narrow_ends(const std::vector<Branch>& branches, const std::vector<Sec
     if (measured.empty())
       continue;
     const auto note = [&](const DiameterSample& next, double from, double to) {
-      // The larger of two estimates counts. The ball is too small where the axis is off the lumen's centre, the section
-      // where a slanted end cuts it.
+      // The larger of two diameters counts. The inscribed ball is too small where the axis is off the lumen's centre.
+      // The section is too small where a slanted end cuts it.
       const auto stenosis = [&](double s) {
         const double by_ball = next.diameter * branch.radius_at(s) / branch.radius_at(next.s);
         const Section* section = nearest_section(branch, sections, b, s);

@@ -13,8 +13,8 @@ void note_wide_ends(const std::vector<Branch>& branches, const std::vector<Refer
 
 /// Warns of a lumen that narrows further within 1.5 radii of an end. Its diameter stenosis there is at least 20 %, and
 /// at least 5 percentage points more than in the next measured section. The diameter there is the larger of two values.
-/// One is the next measured section's, times the ratio of the inscribed radii; the other is that of the nearest
-/// section.
+/// One is the diameter of the next measured section, times the ratio of the inscribed radii. The other is the diameter
+/// of the nearest section.
 void note_narrow_ends(const std::vector<Branch>& branches, const std::vector<Section>& sections,
                       const std::vector<ReferenceProfile>& profiles, std::vector<Repair>& notes);
 

@@ -3,9 +3,9 @@
 namespace anatomy {
 namespace {
 
-constexpr double fused_width_ratio = 1.15; // equivalent diameter over the reference, at least
-constexpr double fused_flatness = 1.8; // longest over shortest chord, at least; slit lesions are as flat, but narrow
-constexpr double least_fused_length = 3.0; // mm, of a stretch of such sections
+constexpr double fused_width_ratio = 1.15; // least ratio of a section's equivalent diameter to the reference
+constexpr double fused_flatness = 1.8; // least ratio of longest to shortest chord; slit lesions are as flat, but narrow
+constexpr double least_fused_length = 3.0; // mm, least length of a stretch of such sections
 
 double largest_flatness(const std::vector<const Section*>& stretch) {
   double most = 0;

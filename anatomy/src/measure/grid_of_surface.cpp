@@ -6,14 +6,14 @@ namespace anatomy {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double finest_spacing = 0.15, coarsest_spacing = 1.2; // mm: spacings of the images that show coronary lumens
+constexpr double finest_spacing = 0.15, coarsest_spacing = 1.2; // mm, spacings of images that show coronary lumens
 constexpr double bin_width = 0.02; // mm, width of a bin; it weakens the wave of the finest spacing by 3 %
-constexpr double wave_band = 0.25; // of a wave's frequency: waves that differ by less are its neighbours
-// Least strength over the neighbours' median: contoured surfaces have 4.4 to 24, others up to 2.8.
+constexpr double wave_band = 0.25; // waves are neighbours if their frequencies differ by less than this share
+// Least ratio of a wave's strength to its neighbours' median. Contoured surfaces have 4.4 to 24, others up to 2.8.
 constexpr double least_wave_ratio = 4;
-constexpr double least_wave_share = 0.02;     // least strength of a wave (see Spectrum)
-constexpr double least_extent = 8;            // mm: along a shorter axis the vessel's own width makes waves
-constexpr std::size_t fewest_vertices = 1000; // a surface of fewer vertices has strong waves by chance
+constexpr double least_wave_share = 0.02; // least strength of a wave, as Spectrum defines it
+constexpr double least_extent = 8; // mm; a shorter axis is skipped, since the vessel's own width makes waves along it
+constexpr std::size_t fewest_vertices = 1000; // fewer vertices have strong waves by chance
 
 // Number of vertices in each bin along one coordinate axis.
 std::vector<double> vertex_histogram(const Mesh& mesh, int axis) {
@@ -28,8 +28,8 @@ std::vector<double> vertex_histogram(const Mesh& mesh, int axis) {
   return count;
 }
 
-// Strength of waves in the density of the vertices, from the coarsest spacing to the finest. The strength of frequency
-// f is |sum of exp(2 pi i f x) over the vertices| / their number: 1 if all of them are whole wavelengths apart.
+// Strengths of waves in the density of the vertices, from the coarsest spacing to the finest. The strength at frequency
+// f is |sum of exp(2 pi i f x) over the vertices| / their number. It is 1 if all vertices are whole wavelengths apart.
 // Successive frequencies differ by a fifth of 1 / (extent of the surface).
 struct Spectrum {
   double first = 1 / coarsest_spacing, step;

@@ -18,8 +18,9 @@ double stenosis(const DiameterSample& sample, const ReferenceProfile& profile) {
 }
 
 // Index of the section at which a stretch splits into two narrowings, one before and one behind it; 0 if it does not
-// split. Of all sections it has the least ratio of its own stenosis to that of the milder narrowing. This ratio is at
-// most one half. Sections at a side branch's mouth do not count, as the mouth widens them.
+// split. For each section, its stenosis is divided by the stenosis of the milder narrowing. The stretch splits where
+// this ratio is least, if it is at most one half. Sections at a side branch's mouth do not count, as the mouth widens
+// them.
 std::size_t find_recovery(const SectionRun& run, const ReferenceProfile& profile) {
   std::vector<double> lacking(run.size()), behind(run.size());
   for (std::size_t i = 0; i < run.size(); ++i)
@@ -52,7 +53,8 @@ std::vector<SectionRun> narrowings(const SectionRun& run, const ReferenceProfile
   return found;
 }
 
-// Of the sections whose ratio of diameter to reference is within 3 % of the least one, that of the smallest diameter.
+// The section at which a lesion is measured. All sections whose ratio of diameter to reference is within 3 % of the
+// least ratio count as equally narrow. Of these it has the smallest diameter.
 DiameterSample throat(const SectionRun& run, const ReferenceProfile& profile) {
   const auto left = [&](const DiameterSample& c) { return c.diameter / profile.diameter(c.s); };
   const auto narrower = [&](const DiameterSample& a, const DiameterSample& b) { return left(a) < left(b); };

@@ -5,11 +5,12 @@ namespace anatomy {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double shortest_wave = 0.6;    // mm: segmented walls have noise of this wavelength, lumens hardly any shape
-constexpr double edges_per_wave = 3;     // edges: a shorter wave is lost between the wall's points
-constexpr int first_mode = 4;            // modes 0 to 3 (size, place, ellipse, triangle) are the lumen's shape
-constexpr int fewest_modes = 3;          // modes at least over which the noise is averaged
-constexpr double random_crossings = 2.2; // edges of equilateral triangles that a line crosses per edge length
+constexpr double shortest_wave = 0.6; // mm; at this wavelength segmented walls have noise, and lumens hardly any shape
+constexpr double edges_per_wave = 3;  // a wave of fewer edges is lost between the wall's points
+constexpr int first_mode = 4;         // modes 0 to 3 (size, place, ellipse, triangle) are the lumen's shape
+constexpr int fewest_modes = 3;       // least number of modes over which the noise is averaged
+// Number of edges that a line crosses per edge length, in a mesh of equilateral triangles.
+constexpr double random_crossings = 2.2;
 
 double length_of(const std::vector<Vec2>& outline) {
   double length = 0;
@@ -97,7 +98,7 @@ double mean_radius_scatter(const std::vector<Vec2>& outline, double edge) {
       resample_evenly(outline, static_cast<std::size_t>(std::max(128, 5 * last)), length), fourier, first);
   double power = 0;
   for (int m = first; m <= last; ++m) {
-    // the wall is straight between its points, which weakens a wave of its noise by sinc^2
+    // The wall is straight between its points, which weakens a wave of its noise by sinc^2. The division undoes this.
     const double x = M_PI * m * edge / length, passed = std::pow(std::sin(x) / x, 2);
     power += std::norm(fourier.amplitude(off, m)) / (passed * passed);
   }

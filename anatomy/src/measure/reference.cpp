@@ -5,30 +5,32 @@
 namespace anatomy {
 namespace {
 
-// Exponents m of the law of forks D^m = d1^m + d2^m tried besides 2.55: Murray 1926; Huo and Kassab 2012.
+// Exponents m of the law of forks D^m = d1^m + d2^m that are tried besides 2.55 (Murray 1926; Huo and Kassab 2012).
 constexpr std::array<double, 2> other_exponents{3, 7.0 / 3};
-constexpr double healthy_tolerance = 0.03; // share of a section's diameter: a section nearer to the profile is healthy
-constexpr double wide_ratio = 1.08;      // ratio to the profile above which a section is wide; an ostium's may reach it
+// A section is healthy if it differs from the profile by less than this share of its diameter.
+constexpr double healthy_tolerance = 0.03;
+constexpr double wide_ratio = 1.08;      // a section is wide above this ratio to the profile; an ostium's may reach it
 constexpr double ruled_out_score = -1e9; // score of a line that cannot be the reference
-constexpr int fewest_sections = 8;       // sections: least number for a profile, and for each of its parts
-constexpr std::size_t most_sampled_sections = 80; // sections at most, through pairs of which lines are tried
-constexpr double dilated_ratio = 1.15;            // ratio to the profile from which a section counts as dilated
-constexpr double least_gain_ratio = 1.25;         // least gain in healthy sections by another reading, as a ratio
-// Least ratio of the diameters behind and before a step. Into two equal branches it is 0.737 and into branches of 0.6
-// and 0.87 it is 0.6, both by D = 0.678 (d1 + d2), Finet 2007.
-constexpr double deepest_step = 0.737;         // without further knowledge
+constexpr int fewest_sections = 8;       // least number of sections for a profile, and for each of its parts
+// Lines are tried through pairs of at most so many sections.
+constexpr std::size_t most_sampled_sections = 80;
+constexpr double dilated_ratio = 1.15;    // a section is dilated above this ratio to the profile
+constexpr double least_gain_ratio = 1.25; // another reading must have so many times as many healthy sections
+// Least ratio of the diameter behind a step to the one before it. A fork into two equal branches has 0.737. A fork into
+// branches of 0.6 and 0.87 has 0.6. Both follow from D = 0.678 (d1 + d2), Finet 2007.
+constexpr double deepest_step = 0.737;         // where no stub and no wide branch is known
 constexpr double deepest_step_by_branch = 0.6; // beside a closed stub or a wide branch
-constexpr double split_tolerance = 0.1; // share by which a step past a branch may be below the flow split's ratio
-constexpr double ectasia_ratio = 1.5;   // least width over the widest lumen beside it (definition of coronary ectasia)
-// Largest ratio of neighbouring sections' diameters on the flank of an ectasia. A taper (`steepest_taper`) changes
-// less: at the default spacing of 0.25 mm by 0.4 % of the first diameter.
+constexpr double split_tolerance = 0.1; // share by which a step at a branch may be deeper than the flow split says
+constexpr double ectasia_ratio = 1.5;   // least ratio to the widest lumen beside it (definition of coronary ectasia)
+// Largest ratio of neighbouring sections' diameters on the flank of an ectasia. The steepest taper changes less: 0.4 %
+// of the first diameter at the default spacing of 0.25 mm.
 constexpr double ectasia_flank_ratio = 0.99;
-constexpr double least_trunk_share = 0.1; // share of D^m that side branches leave, however wide they are
+constexpr double least_trunk_share = 0.1; // share of D^m that is left behind side branches, however wide they are
 // Largest taper of the reference, as a share of its first diameter per mm. An LAD tapers by 0.005 per mm (3.7 to 1.9 mm
 // over 100 mm, Dodge 1992).
 constexpr double steepest_taper = 0.015;
-constexpr double other_reading_ratio = 1.05; // ratio of two readings' diameters from which the other one is reported
-constexpr double least_noticed_branch = 0.4; // of the widest section: a smaller branch makes a step of less than 4 %
+constexpr double other_reading_ratio = 1.05; // another reading is reported if its diameter differs by this ratio
+constexpr double least_noticed_branch = 0.4; // as a share of the widest section; smaller branches make a step below 4 %
 
 // Sum of d_k^m over the side branches that leave before s, in mm^m.
 double branch_power_sum(const SideBranches& sides, double s) {
@@ -65,8 +67,8 @@ double healthy_weight(const DiameterSample& c, double profile) {
   return std::max(0.0, 1 - off * off);
 }
 
-// A line, with counts of the sections by their diameters. Element k of each list counts among the first k sections:
-// `healthy` those on the line (sum of healthy_weight()), `wide` those above it, `dilated` those far above it.
+// A line, with running counts of the sections. Element k of each list is a count among the first k sections: `healthy`
+// counts those on the line (sum of healthy_weight()), `wide` those above it, `dilated` those far above it.
 struct LineCandidate {
   ReferenceLine line;
   std::vector<double> healthy{0};
@@ -75,8 +77,8 @@ struct LineCandidate {
   double healthy_between(std::size_t a, std::size_t b) const { return healthy[b] - healthy[a]; }
 
   // The number of healthy sections from a to b, less the number of wide ones. The line is ruled out if 8 wide sections
-  // lie before the first 8 healthy ones or behind the last 8. They are then no bulge of a healthy vessel on this line:
-  // the line follows a narrowing, however long.
+  // in all lie before the first 8 healthy ones and behind the last 8. Then they are no bulge of a healthy vessel. They
+  // are the healthy vessel, and the line follows a long narrowing.
   double score(std::size_t a, std::size_t b) const {
     const auto reached = [&](double count) {
       return static_cast<std::size_t>(std::lower_bound(healthy.begin(), healthy.end(), count) - healthy.begin());
@@ -87,8 +89,8 @@ struct LineCandidate {
   }
 };
 
-// The lines that are tried: level lines, and lines through pairs of sections that narrow along the vessel by no more
-// than `steepest_taper`.
+// The lines that are tried: level lines, and lines through pairs of sections. The latter fall along the vessel, by no
+// more than `steepest_taper`.
 std::vector<LineCandidate> candidate_lines(const std::vector<DiameterSample>& measured, const SideBranches& sides) {
   const std::vector<DiameterSample> trunk = without_branch_steps(measured, sides);
   const std::size_t every = (trunk.size() + most_sampled_sections - 1) / most_sampled_sections;
@@ -119,10 +121,11 @@ std::vector<LineCandidate> candidate_lines(const std::vector<DiameterSample>& me
 
 // One line, or two lines with a step between them, and how well they suit the sections.
 struct ProfileChoice {
-  double score = ruled_out_score;                         // as LineCandidate::score()
-  double healthy = 0;                                     // number of healthy sections
-  const LineCandidate *line = nullptr, *behind = nullptr; // before and behind the step; `behind` is null without a step
-  std::size_t last = 0, first = 0;                        // indices of the sections at which the step begins and ends
+  double score = ruled_out_score; // see LineCandidate::score()
+  double healthy = 0;             // number of healthy sections
+  const LineCandidate *line = nullptr,
+                      *behind = nullptr; // lines before and behind the step; `behind` may be null
+  std::size_t last = 0, first = 0;       // indices of the sections at which the step begins and ends
   std::size_t dilated = 0, narrower = 0; // indices of a dilatation's first section, and of the first behind it
 };
 
@@ -201,11 +204,12 @@ double branch_diameter_at_step(const SideBranches& branches, double from, double
 
 // The best pair of lines with a step down between them. Most sections on either side of the step are healthy. The step
 // is at a side branch, or reaches from the last healthy section of the first line to the first one of the second. It is
-// no deeper than at a fork into two equal branches, or than the flow split says with the branch that leaves there. The
-// diameter of a closed stub's branch is not known. So beside a stub (`stubs`: arc lengths, mm) the diameter may fall to
-// that of the smaller of two unequal branches.
+// no deeper than at a fork into two equal branches, unless the flow split at a branch that leaves there says more. The
+// diameter of a closed stub's branch is not known. So beside a stub the diameter may fall to the smaller one of two
+// unequal branches.
 // @param sides the branches past which the lines themselves step down
 // @param branches all side branches
+// @param stubs arc lengths of the closed stubs, mm
 ProfileChoice best_step(const std::vector<LineCandidate>& lines, const std::vector<DiameterSample>& measured,
                         const SideBranches& sides, const SideBranches& branches, const std::vector<double>& stubs) {
   const std::size_t n = measured.size();
@@ -314,8 +318,8 @@ void note_step(const ProfileChoice& choice, const std::vector<DiameterSample>& m
   notes.push_back({"reference steps down where no branch leaves", 1, detail, true});
 }
 
-// Warns of another reading: a line that twice as many sections lie on as on the profile, and half of all sections. It
-// is not the reference because too many sections are wider.
+// Warns of another reading: a line on which twice as many sections lie as on the profile, and half of all sections. It
+// is not the reference because too many sections are wider than it.
 void note_other_reading(const std::vector<LineCandidate>& lines, double healthy,
                         const std::vector<DiameterSample>& measured, const Branch& branch, const SideBranches& sides,
                         const ReferenceProfile& profile, std::vector<Repair>& notes) {
@@ -347,7 +351,7 @@ void note_other_reading(const std::vector<LineCandidate>& lines, double healthy,
   notes.push_back({"reference by a short healthy part", 1, detail, true});
 }
 
-// The sets of side branches past which the reference may step down: all, none, all by another exponent, and all but
+// The sets of side branches past which the reference may step down: all, none, all with another exponent, and all but
 // one. The branch left out may bring blood, as a graft does, or carry no flow.
 // @param widest diameter of the widest section, mm
 std::vector<SideBranches> flow_splits_to_try(const SideBranches& sides, double widest) {
@@ -396,7 +400,7 @@ ReferenceProfile best_profile(const std::vector<DiameterSample>& measured, const
   ProfileChoice best;
   std::size_t split = 0;
   const std::size_t all_or_none = branches.branches.empty() ? 1 : 2; // number of flow_splits with all branches or none
-  const auto whole = static_cast<std::size_t>(                       // number of those without a single branch left out
+  const auto whole = static_cast<std::size_t>( // number of flow_splits in which no single branch is left out
       std::count_if(flow_splits.begin(), flow_splits.end(), [&](const SideBranches& one) {
         return one.branches.empty() || one.branches.size() == branches.branches.size();
       }));
@@ -478,7 +482,7 @@ std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& bran
     for (std::size_t k = 0; k < branches.size(); ++k)
       if (branches[k].parent == static_cast<int>(b))
         sides.branches.emplace_back(branches[k].s_on_parent, profiles[k].diameter(branches[k].s_outside));
-    std::vector<double> stubs_here; // s, mm
+    std::vector<double> stubs_here; // arc lengths, mm
     for (const ClosedStub& stub : stubs)
       if (stub.branch == b)
         stubs_here.push_back(stub.s);

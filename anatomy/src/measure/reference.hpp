@@ -14,14 +14,14 @@ struct ReferenceLine {
 /// A step down from one line to another. Between s = `from` and s = `to` (mm) the diameter is interpolated.
 struct ReferenceStep {
   double from, to;
-  ReferenceLine line; ///< from `to` on
+  ReferenceLine line; ///< the line behind the step
 };
 
 /// The side branches past which a reference steps down, and the exponent m of the steps.
 struct SideBranches {
-  /// (s_k, d_k), mm: where branch k leaves, and its diameter; empty where the diameters show no such steps.
+  /// For each branch k: the arc length s_k (mm) where it leaves, its diameter d_k (mm). Empty if there are no steps.
   std::vector<std::pair<double, double>> branches;
-  double exponent = 2.55; ///< by which the flow is split, or 3 (Murray 1926), or 7/3 (Huo and Kassab 2012)
+  double exponent = 2.55; ///< 2.55, by which the flow is split, or 3 (Murray 1926), or 7/3 (Huo and Kassab 2012)
 };
 
 /// Healthy equivalent diameter D (mm) along a branch: a straight line that does not widen, with a step down past each
@@ -33,13 +33,13 @@ struct ReferenceProfile {
   double diameter(double s) const;     ///< mm, at arc length s (mm)
 };
 
-/// One profile for each branch, from the sections away from the ends. It is the line that most sections lie on, within
-/// 3 %; these sections count as healthy. "Many more" below means a quarter more.
-/// - A line is ruled out if the lumen is wider than the line before or behind all its healthy sections. A stretch is
-///   so read as a long narrowing of a wide vessel rather than as a narrow vessel with a wide end.
-/// - The steps past the side branches are kept unless more sections lie on a profile without them. Their exponent is
-///   2.55 unless 3 or 7/3 finds many more healthy sections. One step is left out, with a warning, if that finds many
-///   more. Its branch may bring blood, as a graft does.
+/// One profile for each branch, from the sections away from the ends. A profile is the line on which most sections lie,
+/// within 3 %; these sections count as healthy. "Many more" below means a quarter more.
+/// - A line is ruled out if the lumen is wider than the line before or behind all its healthy sections. So a stretch is
+///   read as a long narrowing of a wide vessel, not as a narrow vessel with a wide end.
+/// - The steps past the side branches are kept unless over 8 more sections lie on a profile without them. Their
+///   exponent is 2.55 unless 3 or 7/3 finds many more healthy sections. One step is left out, with a warning, if that
+///   finds many more. Its branch may bring blood, as a graft does.
 /// - A dilatation, a stretch wider than the healthy vessel on both sides, is left out if that finds many more healthy
 ///   sections. An ectasia, 1.5 times as wide as all sections before and behind it, is always left out.
 /// - One more step, of the size that the sections show, is taken if that finds many more healthy sections. It is no

@@ -5,12 +5,12 @@
 namespace anatomy {
 namespace {
 
-constexpr double stride_mm = 0.5;           // mm: nearer sections share vertices of the wall, and so their noise
-constexpr double usual_radius = 1.5;        // mm, at which the noise is stated
-constexpr std::size_t fewest_for_noise = 5; // sections: fewer give no estimate of the noise
-constexpr Eigen::Index shortest_run = 8;    // sections: the areas of a branch with fewer are not smoothed
-// Mallows' C_p charges each degree of freedom; a higher price guards against fits to chance (Kim & Gu 2004).
-constexpr double price_factor = 1.4; // factor of the price
+constexpr double stride_mm = 0.5;    // mm; sections nearer to each other share vertices of the wall, and so their noise
+constexpr double usual_radius = 1.5; // mm, radius for which the noise is stated
+constexpr std::size_t fewest_for_noise = 5; // fewer sections give no estimate of the noise
+constexpr Eigen::Index shortest_run = 8;    // the areas of a branch with fewer sections are not smoothed
+// Mallows' C_p charges a price for each degree of freedom. This factor guards against fits to chance (Kim & Gu 2004).
+constexpr double price_factor = 1.4;
 // Degrees of freedom of a profile that bends twice. With few sections its price rises as in the corrected AIC (Hurvich
 // & Tsai 1989).
 constexpr double double_bend_freedom = 5;
@@ -95,7 +95,7 @@ Eigen::VectorXd line_through(const Eigen::VectorXd& y, const Eigen::VectorXd& w)
 // Mallows' C_p. Samples nearer than `stride` share vertices of the wall, so their common noise would pass for shape.
 // Therefore only every stride-th sample enters C_p. The spline with the chosen factor is then fitted to all samples.
 // The penalty is on third differences, so the stiffest spline is still a parabola. A straight line competes as well.
-// @param stride in samples
+// @param stride distance between the samples that enter C_p, in samples
 // @param sigma standard deviation (mm) that the noise gives to a radius of 1.5 mm
 Eigen::VectorXd smoothed(const RadiusProfile& profile, Eigen::Index stride, double sigma) {
   const Eigen::VectorXd& y = profile.radius;

@@ -4,9 +4,10 @@
 
 namespace anatomy {
 
-/// Relative standard deviation by noise of the area of a section of radius 1.5 mm. For other radii R it varies as
-/// R^-1.5. It is the median over all sections, of each outline's own roughness (`Section::scatter`). Differences
-/// between neighbouring sections do not count, since they may be real. 0 if there are too few sections to tell.
+/// Relative standard deviation that noise gives to the area of a section of radius 1.5 mm. For other radii R it varies
+/// as R^-1.5. It is the median over all sections, each judged by its own outline's roughness (`Section::scatter`).
+/// Differences between neighbouring sections do not count, since they may be real. 0 if there are too few sections to
+/// tell.
 double area_noise(const std::vector<Section>& sections);
 
 /// If area_noise is above least_area_noise, replaces the areas of the sections flagged ok by a smooth profile of the
@@ -16,6 +17,7 @@ double area_noise(const std::vector<Section>& sections);
 void smooth_noisy_areas(const std::vector<Branch>& branches, std::vector<Section>& sections,
                         std::vector<Repair>& notes);
 
-constexpr double least_area_noise = 0.005; ///< computed, deformed and intravascular surfaces have up to 0.002
+/// Areas with less noise stay as cut. Computed, deformed and intravascular surfaces have up to 0.002.
+constexpr double least_area_noise = 0.005;
 
 } // namespace anatomy

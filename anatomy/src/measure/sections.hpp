@@ -18,10 +18,10 @@ struct Section {
 /// parent's inscribed tube. A section is the loop round the axis in which the plane across the axis cuts `surface`.
 /// - Flag `ostium`: the loop runs over the wall of another branch or of a closed stub, and is clipped there at
 ///   ostium_clip inscribed radii.
-/// - Flag `end`: within 1.5 inscribed radii of a cap, in an extension, or the loop meets a cap.
+/// - Flag `end`: the section is within 1.5 inscribed radii of a cap or in an extension, or its loop meets a cap.
 /// Throws ComputationError if no loop contains the axis away from the ends.
-/// @param splits pieces into which refinement has divided each edge of the measured wall; noise has the scale of the
-/// undivided edges
+/// @param splits number of pieces into which refinement has divided each edge of the measured wall; noise has the scale
+/// of the undivided edges
 std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>& branches,
                                   const std::vector<End>& ends, int splits = 1,
                                   const std::vector<ClosedStub>& stubs = {});
@@ -30,6 +30,6 @@ std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>
 bool is_near_end(const Branch& branch, const std::vector<End>& ends, double s);
 
 constexpr double ostium_clip = 1.08; ///< inscribed radii at which a section is clipped towards another branch
-constexpr double end_zone = 1.5;     ///< inscribed radii from a cap in which a section is flagged `end`
+constexpr double end_zone = 1.5;     ///< a section within so many inscribed radii of a cap is flagged `end`
 
 } // namespace anatomy

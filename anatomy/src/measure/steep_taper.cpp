@@ -10,7 +10,7 @@ constexpr double lad_taper = 0.5,
                  least_steep_taper = 1;     // taper of the LAD, and least taper for a warning: per cent per mm
 constexpr double least_steep_slope = 0.037; // least taper for a warning, mm per mm: twice the LAD's
 constexpr double least_taper_length = 15;   // mm: in a shorter stretch a few sections decide the taper
-constexpr double fork_offset = 0.01;        // mm from a fork: diameters are taken beside the reference's step there
+constexpr double fork_offset = 0.01;        // mm; diameters are taken this far from a fork, beside the reference's step
 
 // Arc lengths (mm) that divide a branch into stretches of constant taper, in order: `from`, `to`, and between them the
 // forks and both ends of the reference's step. At forks and over the step the reference may step down.

@@ -11,19 +11,19 @@
 namespace anatomy {
 namespace {
 
-constexpr double pass_tolerance = 0.4; // degrees: if the smallest corner is short of the goal by less, no pass follows
+constexpr double pass_tolerance = 0.4; // degrees; no pass follows if the smallest corner is short of the goal by less
 constexpr int moving_rings = 2;        // rings of vertices round a narrow triangle that may move
-constexpr int most_sweeps = 6;         // times at most that each of these vertices is moved
+constexpr int most_sweeps = 6;         // largest number of times that each of these vertices is moved
 constexpr int step_directions = 6;     // directions tried for each step of a vertex
-constexpr double first_step = 0.2;     // length of a vertex's first step, over the mean edge at the vertex
-constexpr int step_halvings = 4;       // step lengths tried, each half of the one before
-constexpr double least_gain =
-    0.05; // degrees; a change is kept only if the smallest corner of the neighbourhood gains more
+constexpr double first_step = 0.2;     // length of a vertex's first step, in mean edges at the vertex
+constexpr int step_halvings = 4;       // number of step lengths tried, each half of the one before
+// A change is kept only if the smallest corner of the neighbourhood gains more than this, degrees.
+constexpr double least_gain = 0.05;
 constexpr double least_move = 1e-3; // degrees; a vertex moves only if the smallest corner round it gains more
 constexpr double cos_turned = 0.5;  // 60 degrees: a move may not turn a triangle by more
 constexpr double cos_folded = 0.3;  // 73 degrees: a triangle steeper than this to the smooth wall is folded
 constexpr double cos_crease = -0.5; // 120 degrees between two neighbours' normals: sharper than any carina of a lumen
-constexpr std::size_t most_changes = 400; // triangles that are treated in one pass
+constexpr std::size_t most_changes = 400; // largest number of triangles that are treated in one pass
 
 Vec3 normal_at(const Mesh& mesh, Vertex v) {
   Vec3 sum = Vec3::Zero();
@@ -32,7 +32,7 @@ Vec3 normal_at(const Mesh& mesh, Vertex v) {
   return sum.normalized();
 }
 
-// Whether the vertex may move: it may if no triangle at it belongs to a cap.
+// Whether the vertex may move: no triangle at it belongs to a cap.
 bool may_move(const Mesh& mesh, Vertex v) {
   const RegionMap region = region_map(mesh);
   for (Face f : mesh.faces_around_target(mesh.halfedge(v)))
@@ -47,8 +47,8 @@ struct Star {
   std::vector<Vec3> normals;
 };
 
-// The smallest angle (degrees) of the star's triangles, or the first one found that is not above `enough`; then the
-// triangles after it are not looked at. It is -1 if a triangle before it has turned by more than 60 degrees.
+// The smallest angle (degrees) of the star's triangles. To save time the search stops at the first angle that is not
+// above `enough`, and returns that one. It returns -1 at a triangle that has turned by more than 60 degrees.
 double smallest_star_corner(const Mesh& mesh, const Star& star, double enough) {
   double corner = 180;
   for (std::size_t i = 0; i < star.faces.size() && corner > enough; ++i) {
@@ -176,8 +176,7 @@ struct AngleOptimiser {
     }
   }
 
-  // The changes to try at a triangle: none, and a flip, collapse or split of each edge at its vertices. relax()
-  // follows.
+  // The changes to try at a triangle, before relax(): none, or a flip, collapse or split of one edge at its vertices.
   std::vector<Change> changes(Face f) const {
     std::vector<Change> all{[](Mesh&) { return true; }}; // no change: relax() alone
     std::set<Edge> edges;
@@ -226,8 +225,8 @@ struct AngleOptimiser {
     return true;
   }
 
-  // Number of triangles at these vertices that stand steeply on the smooth wall. At a sharp carina there always are
-  // some.
+  // Number of triangles at these vertices that stand steeply on the smooth wall. A sharp carina always has some; a
+  // change must not add any.
   std::size_t folded(const Mesh& in, const std::set<Vertex>& patch) const {
     std::set<Face> faces;
     for (Vertex v : patch)

@@ -6,9 +6,9 @@ namespace anatomy {
 
 /// Widens the corners below `wanted` degrees of wall triangles that touch no cap, the narrowest triangle first. Round a
 /// triangle an edge is flipped, collapsed or split, and vertices are moved on `wall`, the wall of the smooth `surface`.
-/// Of such changes the one that widens the smallest corner of the neighbourhood most is kept. So no corner outside caps
-/// and rims falls below the smallest one at the start. If narrow corners remain, there are up to `passes` passes:
-/// corners may give way once their neighbours have changed. Tags are kept; the mesh is compact on return.
+/// Several such changes are tried. The one that widens the smallest corner of the neighbourhood most is kept. So no
+/// corner outside caps and rims falls below the smallest one at the start. Up to `passes` passes are made, since a
+/// corner may give way once its neighbours have changed. Tags are kept; the mesh has no removed elements on return.
 /// @param careful reject a change after which the neighbourhood crosses itself, as happens on a rough wall
 void widen_corners(Mesh& mesh, const Mesh& surface, const WallTree& wall, double wanted, int passes = 3,
                    bool careful = false);

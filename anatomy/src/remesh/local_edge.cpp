@@ -13,8 +13,8 @@ namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 
-constexpr double edge_per_radius = 0.3;         // longest edge over the inscribed radius
-constexpr double largest_edge_per_radius = 0.8; // the same in the narrowest throats: eight edges go round them
+constexpr double edge_per_radius = 0.3;         // longest edge, in inscribed radii
+constexpr double largest_edge_per_radius = 0.8; // the same limit in the narrowest throats: eight edges go round them
 constexpr double least_throat_edge = 0.05;      // mm, least edge in a throat, unless 0.3 of the user's edge is shorter
 constexpr double edge_growth = 0.3;             // mm of edge per mm of distance from a narrow place
 // Ratio of the target edges of two successive levels. CGAL's remeshing accepts edges of 0.8 to 1.33 of its target, so
@@ -22,13 +22,13 @@ constexpr double edge_growth = 0.3;             // mm of edge per mm of distance
 constexpr double level_step = 0.85;
 constexpr double good_corner = 30;    // degrees: a triangle with a smaller corner is remeshed
 constexpr double aimed_corner = 30.5; // degrees: a margin over 30, which must remain after writing and reading
-// A triangle with an edge shorter or longer than this ratio to the wanted length is remeshed. Remeshing itself leaves
+// A triangle is remeshed if the ratio of an edge to the wanted length is outside this range. Remeshing itself leaves
 // one triangle in 10^4 outside.
 constexpr double least_edge_ratio = 0.5;
 constexpr double largest_edge_ratio = 1.6;
-constexpr int rings_beside = 3;                 // rings of triangles round those to remesh that are remeshed too
+constexpr int rings_beside = 3;                 // so many rings of triangles round those to remesh are remeshed too
 constexpr double off_wall = 1e-6;               // mm: a vertex farther from the wall is projected on it
-constexpr double most_regraded_share = 1.0 / 3; // share of triangles to remesh above which regraded() gives up
+constexpr double most_regraded_share = 1.0 / 3; // regraded() gives up if a larger share of the triangles is to remesh
 
 // Whether a triangle has edges near the wanted length, and no corner below 30 degrees.
 bool is_as_wanted(const Mesh& mesh, Face f, const EdgeField& field) {
@@ -41,8 +41,8 @@ bool is_as_wanted(const Mesh& mesh, Face f, const EdgeField& field) {
   return smallest_corner(mesh, f) >= good_corner;
 }
 
-// For each face of a compact mesh: whether it is to be remeshed. It is if it touches no cap and is not is_as_wanted(),
-// or is within three rings of such a face.
+// Flags the faces of a compact mesh that are to be remeshed: those that are not is_as_wanted(), and three rings of
+// faces round them. Faces that touch a cap are left out.
 std::vector<bool> faces_to_remesh(const Mesh& mesh, const EdgeField& field) {
   std::vector<bool> chosen(mesh.num_faces(), false);
   for (Face f : mesh.faces())

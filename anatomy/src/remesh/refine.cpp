@@ -5,9 +5,9 @@ namespace anatomy {
 namespace {
 
 constexpr double cos_sharp = 0.8;      // 37 degrees between the normals at an edge's ends: sharper edges stay straight
-constexpr double largest_bulge = 0.01; // mm from an edge to its new middle; a blunt crease would give too much
-constexpr double cos_turn = 0.98;      // 0.2 rad between the normals, as along an edge of a fifth of the radius
-constexpr double thin_share = 0.03;    // least share of the wall's area that must turn so; a side branch reaches it
+constexpr double largest_bulge = 0.01; // mm, largest move of a new middle off its edge; a blunt crease would give more
+constexpr double cos_turn = 0.98;   // 0.2 rad between the normals, as at the ends of an edge of a fifth of the radius
+constexpr double thin_share = 0.03; // least share of the wall's area that must turn so; a side branch reaches it
 constexpr std::size_t most_to_split = 150000; // triangles; on finer surfaces noise turns as much, and splitting is slow
 
 // Vertex normals from the wall's faces alone, so that a vertex on a rim has the normal of the wall. They are 0 inside a
@@ -36,7 +36,7 @@ Vec3 middle(const Vec3& p, const Vec3& q, const Vec3& np, const Vec3& nq) {
   const Vec3 straight = 0.5 * (p + q);
   if (np.dot(nq) < cos_sharp) // also true inside a cap, where a normal is zero
     return straight;
-  const Vec3 d = q - p, bulge = (d.dot(nq) * nq - d.dot(np) * np) / 8; // of a Hermite cubic: (t_p - t_q) / 8
+  const Vec3 d = q - p, bulge = (d.dot(nq) * nq - d.dot(np) * np) / 8; // middle of a Hermite cubic: (t_p - t_q) / 8
   return straight + std::min(1.0, largest_bulge / std::max(bulge.norm(), largest_bulge)) * bulge;
 }
 

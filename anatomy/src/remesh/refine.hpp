@@ -6,9 +6,9 @@ namespace anatomy {
 
 /// Splits each triangle of the closed, tagged mesh into four. The middle of a wall edge is put on the cubic through its
 /// ends that has their normals (curved point-normal triangles: Vlachos et al., I3D 2001). Vertices stay where they are.
-/// The chord error falls to about a quarter in length, and further in area. A middle moves by 0.01 mm at most, as for
-/// edges of 0.35 mm at a radius of 1.5 mm. Edges of caps and edges sharper than 37 degrees stay straight. Tags are
-/// kept.
+/// The distance of the triangles from the round wall falls to about a quarter, and the error of a section's area
+/// further. A middle moves by 0.01 mm at most. Edges of 0.35 mm at a radius of 1.5 mm need as much. Edges of caps and
+/// edges sharper than 37 degrees stay straight. Tags are kept.
 Mesh curved_refined(const Mesh& mesh);
 
 /// Whether the triangles are so coarse that sections come out too small. They are if the mean edge e is above 0.12 of

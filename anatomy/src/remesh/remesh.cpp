@@ -22,7 +22,7 @@ namespace {
 
 constexpr double narrow_corner = 30;         // degrees: a triangle with a smaller corner is narrow
 constexpr double most_narrow_share = 0.1;    // share of narrow triangles above which the mesh is remeshed again
-constexpr double loosening_edge_ratio = 0.6; // of the wanted edge: the finer mesh in between
+constexpr double loosening_edge_ratio = 0.6; // edge of the finer mesh in between, as a share of the wanted edge
 
 void remesh_wall(Mesh& mesh, double edge, const WallTree& wall) {
   RegionMap region = region_map(mesh);
@@ -73,7 +73,7 @@ void untangle(Mesh& mesh) {
   };
   Mesh copy = mesh;
   replace_crossings(copy);
-  // the topology must be a ball's, so that nothing has fused or torn
+  // the surface must still be a topological sphere: then nothing has fused or torn
   const bool sound = CGAL::is_closed(copy) && !crosses_itself(copy) && on_caps(copy) == on_caps(mesh) &&
                      copy.number_of_vertices() + copy.number_of_faces() == copy.number_of_edges() + 2;
   if (sound)

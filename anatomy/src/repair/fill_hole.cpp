@@ -9,13 +9,14 @@ namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 
-// Edges of the largest hole that is filled in one piece. CGAL's search takes n^3 steps for n edges: 0.2 s for 250.
+// A hole with more edges than this is filled in parts. CGAL's search takes n^3 steps for n edges: 0.2 s for 250.
 constexpr std::size_t most_hole_edges = 250;
 
 using Ring = std::vector<Vertex>;
 
-// Adds the triangles of the best filling of a ring. They are ordered so that at least two sides of each belong to the
-// ring or to an earlier triangle. Returns whether they fill the whole ring.
+// Finds CGAL's best filling of a ring of vertices and appends its triangles. They are ordered so that a mesh can take
+// them one by one: at least two sides of each belong to the ring or to an earlier triangle. Returns whether they fill
+// the whole ring.
 bool add_filling(const Mesh& mesh, const Ring& ring, std::vector<std::array<Vertex, 3>>& triangles) {
   if (ring.size() < 3)
     return true;
@@ -34,8 +35,8 @@ bool add_filling(const Mesh& mesh, const Ring& ring, std::vector<std::array<Vert
   return found.size() == ring.size() - 2;
 }
 
-// Fills a large ring in parts. Chords over every few edges cut off pieces; these and the ring of the chords are filled.
-// Returns no faces, and leaves the mesh unchanged, if this fails.
+// Fills a large ring in parts. A chord over every few edges cuts off a small ring. Each small ring is filled, and then
+// the ring of the chords. Returns no faces, and leaves the mesh unchanged, if this fails.
 std::vector<Face> fill_in_parts(Mesh& mesh, const Ring& ring) {
   const std::size_t step = (ring.size() + most_hole_edges - 1) / most_hole_edges;
   std::vector<std::array<Vertex, 3>> triangles;
@@ -62,7 +63,7 @@ std::vector<Face> fill_in_parts(Mesh& mesh, const Ring& ring) {
   return faces;
 }
 
-// The loop's points that lie on the edge of h within `tolerance` (mm), in order from its source to its target.
+// The ring's points that lie on the edge of h within `tolerance` (mm), in order from the edge's source to its target.
 std::vector<Point> points_on(const Mesh& mesh, const Ring& ring, Halfedge h, double tolerance) {
   const Vec3 a = vec(mesh.point(mesh.source(h))), along = vec(mesh.point(mesh.target(h))) - a;
   std::vector<std::pair<double, Point>> found;
@@ -117,8 +118,8 @@ std::size_t divide_border(Mesh& mesh, Halfedge border, double tolerance) {
 }
 
 std::vector<Face> cap_loop(Mesh& mesh, const Loop& loop) {
-  // CGAL takes the loop's normal as a sum of triangle normals, each turned towards positive x. So the loop is rotated
-  // until no component of its normal is near 0.
+  // CGAL estimates the loop's normal as a sum of triangle normals, each turned towards positive x. If they are nearly
+  // perpendicular to x, noise decides how each is turned. So the loop is rotated first, to a normal along (1, 1, 1).
   const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(loop.normal, Vec3::Ones());
   auto turned = mesh.add_property_map<Vertex, Point>("v:turned").first;
   for (Vertex v : mesh.vertices())

@@ -9,9 +9,9 @@
 namespace anatomy {
 namespace {
 
-constexpr double largest_patch_radii = 0.35;                   // mean radii: largest radius of a patch
-constexpr std::array<double, 5> patch_edges{2, 3, 4.5, 7, 10}; // radii of patches tried in turn, in mean edges
-constexpr int most_search_rounds = 5;                          // rounds of search and removal at most
+constexpr double largest_patch_radii = 0.35;                   // largest radius of a patch, in mean radii of the lumen
+constexpr std::array<double, 5> patch_edges{2, 3, 4.5, 7, 10}; // radii of the patches tried in turn, in mean edges
+constexpr int most_search_rounds = 5;                          // largest number of rounds of search and removal
 
 double mean_edge(const Mesh& mesh) {
   double sum = 0;
@@ -20,7 +20,7 @@ double mean_edge(const Mesh& mesh) {
   return sum / static_cast<double>(mesh.number_of_edges());
 }
 
-// The faces within `reach` (mm) of vertex v that are connected to it by such faces.
+// The connected patch of faces round vertex v whose corners all lie within `reach` (mm) of v.
 std::set<Face> patch_around(const Mesh& mesh, Vertex v, double reach) {
   const Vec3 centre = vec(mesh.point(v));
   std::set<Face> patch;
@@ -43,7 +43,7 @@ std::set<Face> patch_around(const Mesh& mesh, Vertex v, double reach) {
   return patch;
 }
 
-// The halfedges inside the patch along its rim.
+// The halfedges along the patch's rim, on the patch's side.
 std::vector<Halfedge> rim_of(const Mesh& mesh, const std::set<Face>& patch) {
   std::vector<Halfedge> rim;
   for (Face f : patch)
@@ -80,7 +80,8 @@ long genus(const Mesh& mesh, const std::set<Face>& patch, std::size_t rim) {
   return (1 - (static_cast<long>(vertices.size()) - edges + static_cast<long>(patch.size()))) / 2;
 }
 
-// Cuts the smallest patch with a handle out round vertex v and closes its rim. Returns the number of handles removed.
+// Looks round vertex v for the smallest patch that holds a handle, cuts it out and closes its rim. Returns the number
+// of handles removed.
 // @param edge mean edge of the mesh, mm
 // @param largest largest radius of a patch, mm
 long close_patch(Mesh& mesh, Vertex v, double edge, double largest) {
@@ -117,7 +118,7 @@ void remove_small_handles(Mesh& mesh, std::vector<Repair>& repairs) {
   for (int round = 0; round < most_search_rounds; ++round) {
     long now = 0;
     for (Vertex v : places_on_handles(mesh)) {
-      if (mesh.is_removed(v)) // with an earlier patch
+      if (mesh.is_removed(v)) // v was cut out with an earlier patch
         continue;
       const Vec3 here = vec(mesh.point(v));
       const long closed = close_patch(mesh, v, edge, largest);

@@ -9,11 +9,12 @@ struct Loop {
   Halfedge halfedge;          ///< a border halfedge of the loop
   std::size_t halfedges = 0;  ///< number of its halfedges
   Vec3 centre = Vec3::Zero(); ///< mean of the edges' midpoints weighted by edge length, mm
-  Vec3 normal = Vec3::Zero(); ///< unit, of the plane of largest projected area; oriented by the loop's direction
-  double area = 0;            ///< projected on that plane, mm2
+  Vec3 normal = Vec3::Zero(); ///< unit normal of the plane of largest projected area; oriented by the loop's direction
+  double area = 0;            ///< area within the loop, projected on that plane, mm2
 };
 
-constexpr double smallest_end = 0.15; ///< mm, least radius of an end; where a cut grazes a rough wall holes are smaller
+/// Least radius (mm) of an end. Where a cut grazes a rough wall it leaves smaller loops, which are holes.
+constexpr double smallest_end = 0.15;
 
 /// The boundary loops of an open surface; the order is the same in every run.
 std::vector<Loop> boundary_loops(const Mesh& mesh);

@@ -20,14 +20,16 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 using ComponentMap = Mesh::Property_map<Face, std::size_t>;
 
-constexpr double comparable_area_ratio = 0.2; // ratio of wall areas from which a component may be a vessel
-constexpr double vessel_length = 5;           // mm, diagonal of a component's box; voids and specks are shorter
-constexpr double wall_side_ratio = 0.9;       // least ratio of the boxes' diagonals of a wall's inner and outer side
-constexpr double box_tolerance =
-    0.02; // of the outer box's diagonal, by which the inner box may stand out at an open end
+constexpr double comparable_area_ratio = 0.2; // a component with this share of the largest wall area may be a vessel
+constexpr double vessel_length = 5; // mm; so may one with a box of this diagonal; voids and specks are shorter
+// Two components may be the two sides of one wall if the inner box's diagonal has at least this share of the outer
+// one's.
+constexpr double wall_side_ratio = 0.9;
+// The inner side may stand out of the outer side's box at an open end, by this share of that box's diagonal.
+constexpr double box_tolerance = 0.02;
 
-// Whether triangle b has the corners of a in the opposite sense. a and b are one triangle before and after CGAL's
-// orienting, which keeps the triangles' order.
+// Whether CGAL's orienting has reversed a triangle. `a` and `b` are the triangle's corners before and after. CGAL keeps
+// the order of the triangles.
 bool reversed(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
   const auto start = static_cast<std::size_t>(std::find(b.begin(), b.end(), a[0]) - b.begin());
   return start < 3 && b[(start + 1) % 3] == a[2];
@@ -71,8 +73,8 @@ void check_no_wall(const std::vector<Eigen::AlignedBox3d>& box, std::size_t larg
   }
 }
 
-// Warns of components left out that may be vessels: those with a fifth of the kept one's wall area, or 5 mm long. Gives
-// the places of both. `chosen`: whether the user's inlet has chosen the component.
+// Warns of each left-out component that may be a vessel: it has a fifth of the kept one's wall area, or is 5 mm long.
+// The warning gives the places of both. `chosen` says that the user's inlet has chosen the kept component.
 void warn_of_vessels(const Mesh& mesh, const ComponentMap& component, const std::vector<double>& area, std::size_t kept,
                      bool chosen, std::vector<Repair>& repairs) {
   std::vector<Vec3> centre(area.size(), Vec3::Zero());
@@ -137,7 +139,8 @@ void keep_one_component(Mesh& mesh, const std::optional<Vec3>& inlet, std::vecto
   mesh.remove_property_map(component);
 }
 
-// Closes gaps without width, at which an edge on one side faces several edges on the other. Triangles cannot fill them.
+// Closes gaps without width, at which an edge on one side faces several edges on the other. Triangles cannot fill such
+// a gap, so the one edge is divided and the two sides are stitched.
 void close_t_junctions(Mesh& mesh, double tolerance, std::vector<Repair>& repairs) {
   std::size_t count = 0;
   for (const Loop& loop : boundary_loops(mesh))
@@ -188,7 +191,8 @@ Mesh repaired(const Soup& soup, std::vector<Repair>& repairs, const IsGivenEnd& 
 }
 
 void orient_outward(Mesh& mesh, std::vector<Repair>& repairs) {
-  // The sign of the volume tells. CGAL's own test uses the highest vertex alone, where a rough wall may be folded.
+  // The sign of the volume tells whether normals point outward. CGAL's own test uses the highest vertex alone, where a
+  // rough wall may be folded.
   if (enclosed_volume(mesh) >= 0)
     return;
   PMP::reverse_face_orientations(mesh);

@@ -5,19 +5,19 @@
 namespace anatomy {
 namespace {
 
-// A spike is at least as high as all three of these limits.
-constexpr double least_spike_slope = 0.5;   // mean edges: a spike that slopes by 27 degrees all round
-constexpr double least_spike_radii = 0.15;  // mean radii of the lumen; a lower spike hardly changes a section
-constexpr double least_outlier_ratio = 8;   // times the scatter of the vertices round it about a smooth wall
-constexpr double least_ring_height = 0.35;  // mean edges; a vertex nearer to the plane of its ring is not examined
+// A spike is at least as high as each of the first three limits.
+constexpr double least_spike_slope = 0.5;   // in mean edges; the sides of such a spike slope by 27 degrees
+constexpr double least_spike_radii = 0.15;  // in mean radii of the lumen; a lower spike hardly changes a section
+constexpr double least_outlier_ratio = 8;   // in units of the scatter of the vertices round it about a smooth wall
+constexpr double least_ring_height = 0.35;  // in mean edges; a vertex nearer to the plane of its ring is not examined
 constexpr std::size_t most_neighbours = 12; // a vertex with more is the apex of a fan over a whole end, not a spike
-constexpr Eigen::Index quadric_terms = 6;   // of a quadric; three more points are needed for the scatter
+constexpr Eigen::Index quadric_terms = 6;   // coefficients of a quadric; three more points are needed for the scatter
 
 // The neighbours of a vertex.
 struct VertexRing {
   std::vector<Vertex> vertices;                    // in order round the vertex
-  Vec3 mean = Vec3::Zero(), normal = Vec3::Zero(); // mean place (mm), unit normal
-  double edge = 0; // mm, mean distance between successive neighbours: a spike does not lengthen it
+  Vec3 mean = Vec3::Zero(), normal = Vec3::Zero(); // mean position (mm), unit normal
+  double edge = 0; // mean distance (mm) between successive neighbours; a spike does not lengthen it
 };
 
 VertexRing ring_of(const Mesh& mesh, Vertex v) {
@@ -118,7 +118,7 @@ Roughness roughness_of(const Mesh& mesh) {
     const VertexRing ring = ring_of(mesh, v);
     const double n = static_cast<double>(ring.vertices.size());
     off.push_back(height_over_ring(mesh, v, ring) /
-                  std::sqrt(1 + 1 / n)); // 1 / n: the mean of n neighbours scatters too
+                  std::sqrt(1 + 1 / n)); // the mean of n neighbours scatters too, which adds 1 / n
     mean += off.back() / static_cast<double>(mesh.number_of_vertices());
     out.edge += ring.edge / static_cast<double>(mesh.number_of_vertices());
   }

@@ -22,9 +22,9 @@ std::size_t farthest(const std::vector<double>& d) {
   return static_cast<std::size_t>(std::max_element(d.begin(), d.end()) - d.begin());
 }
 
-// The vertices sorted by their distance from an extremity of the surface (`root`), the farthest first. In this order
-// tips and handles are found. `height` is the distance, mm along the edges. The extremity is the vertex farthest from
-// vertex 0. With `from_far_end` it is the opposite one, the vertex farthest from the first extremity.
+// The vertices sorted by their distance from an extremity of the surface (`root`), the farthest first. The searches for
+// tips and handles visit them in this order. `height` is the distance in mm along the edges. The extremity is the
+// vertex farthest from vertex 0. With `from_far_end` it is the vertex farthest from that one.
 struct Sweep {
   std::size_t root = 0;
   std::vector<double> height;
@@ -43,7 +43,7 @@ struct Sweep {
   bool higher(std::size_t a, std::size_t b) const { return height[a] != height[b] ? height[a] > height[b] : a < b; }
 };
 
-// Sets of connected vertices by union-find. One vertex represents each set; `above` leads to it.
+// Sets of connected vertices by union-find. One vertex represents each set; the links `above` lead to it.
 struct UnionFind {
   std::vector<std::size_t> above;
   explicit UnionFind(std::size_t n) : above(n) { std::iota(above.begin(), above.end(), 0); }
@@ -65,8 +65,8 @@ std::vector<Tip> tips_of(const Mesh& mesh, double least_prominence, bool from_fa
     if (prominence >= least_prominence)
       tips.push_back({Vertex(static_cast<Mesh::size_type>(v)), prominence, is_extremity});
   };
-  // Vertices are added from the highest down. Where two parts meet, the tip of the lower one gets its prominence: its
-  // height over the meeting place.
+  // Vertices are added from the highest down. Where two parts meet, the part with the lower tip ends. The prominence of
+  // this tip is its height over the meeting place.
   for (std::size_t v : sweep.order)
     for (Vertex w : mesh.vertices_around_target(mesh.halfedge(Vertex(static_cast<Mesh::size_type>(v))))) {
       if (!sweep.higher(w, v))

@@ -12,10 +12,10 @@ struct Tip {
 
 /// The tips, the most prominent first. Distances along the edges are measured from an extremity of the surface. A tip
 /// is a local maximum of the distance with at least this prominence (zero-dimensional persistence). The extremity
-/// itself is a tip too. A branch that leans back towards the extremity has little or no prominence.
+/// itself is a tip too. A branch that leans back towards the extremity has little or no prominence. The mesh must be
+/// one component without removed elements.
 /// @param least_prominence mm
 /// @param from_far_end measure from the opposite extremity, the vertex farthest from the usual one
-/// The mesh must be one component without removed elements.
 std::vector<Tip> tips_of(const Mesh& mesh, double least_prominence, bool from_far_end = false);
 
 /// Vertices on handles, the farthest from an extremity first; none if the closed mesh has no handle. At such a vertex

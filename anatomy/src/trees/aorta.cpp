@@ -9,28 +9,28 @@
 namespace anatomy {
 namespace {
 
-constexpr double trunk_radius = 4.5;      // mm: the trunk is filled by larger balls, so it is wider than 9 mm
+constexpr double trunk_radius = 4.5;      // mm; balls larger than this fill the trunk, so it is wider than 9 mm
 constexpr double least_tree_length = 4.5; // mm outside the trunk: corners of the trunk's ends and sinuses reach less
 constexpr double widest_coronary = 12;    // mm, diameter of the widest ectatic arteries, single sacs excepted
-constexpr double aorta_with_one_end = 18; // mm, least diameter if closed at the valve; a coronary sac may be narrower
+constexpr double aorta_with_one_end = 18; // mm, least width of an aorta closed at the valve; coronary sacs have less
 constexpr double widest_ostium = 9;       // mm, largest diameter of a coronary ostium
 constexpr double narrowest_ostium = 0.8;  // mm, smallest diameter of a coronary ostium
-// Vertices of the wall, about, from which the balls are computed: for the result, and for the quick may_hold_ball().
+// About so many vertices of the wall give the balls: for the result, and for the quick test may_hold_ball().
 constexpr std::size_t final_vertices = 60000, trial_vertices = 3000;
-constexpr double plane_step_radii = 0.25; // ball radii between successive planes that are tried across a tree
-constexpr double funnel_ratio = 1.15;     // ratio of ball radii one radius apart: above it the ostium's funnel goes on
-constexpr double similar_area_ratio = 1.25;   // largest ratio of the areas of two sections half a radius apart
-constexpr double largest_section_ratio = 2.5; // areas of the ball's circle; a larger section extends into the aorta
-constexpr double longest_funnel = 20; // mm along the tree from the aorta, in which the ostium's plane is searched
-constexpr double arch_direction_length = 15; // mm of the trunk's path, from which the direction to the arch is taken
-constexpr double tree_end_radii = 2; // ball radii: an end nearer to the centre of a tree's ball belongs to that tree
-constexpr double tree_tip_radii = 4; // ball radii: so does a tip of the surface; a cap's corner lies at about 1.5 radii
-constexpr double least_lost_prominence =
-    10; // mm, least prominence along the surface of a vessel that is reported as lost
-constexpr double least_root_ratio =
-    1.3; // ratio of the ostia's distances to the aorta's ends: below it the arch is unsure
-constexpr double least_ostia_angle = 60,
-                 most_ostia_angle = 165; // degrees between the ostia round the aorta: else names are unsure
+constexpr double plane_step_radii = 0.25;     // distance between the planes that are tried across a tree, in ball radii
+constexpr double funnel_ratio = 1.15;         // in an ostium's funnel, balls one radius apart differ by a larger ratio
+constexpr double similar_area_ratio = 1.25;   // up to this ratio the areas of sections half a radius apart are alike
+constexpr double largest_section_ratio = 2.5; // in areas of the ball's circle; a larger section extends into the aorta
+constexpr double longest_funnel = 20; // mm; the ostium's plane is sought within this length of the tree from the aorta
+constexpr double arch_direction_length = 15; // mm of the trunk's path that give the direction to the arch
+constexpr double tree_end_radii = 2;         // an end within so many ball radii of a ball of a tree belongs to the tree
+constexpr double tree_tip_radii = 4; // a tip of the surface within so many, too; a cap's corner lies at about 1.5
+// Least prominence (mm along the surface) of a vessel that is reported as lost.
+constexpr double least_lost_prominence = 10;
+// Least ratio of the distances from the ostia to the aorta's two ends. Below it, the side of the arch is unsure.
+constexpr double least_root_ratio = 1.3;
+// Degrees between the ostia round the aorta. Outside this range the names left and right are unsure.
+constexpr double least_ostia_angle = 60, most_ostia_angle = 165;
 
 // The n of "every n-th vertex", so that about `vertices` remain.
 std::size_t vertex_stride(const Mesh& mesh, std::size_t vertices) {

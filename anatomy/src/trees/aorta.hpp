@@ -8,22 +8,22 @@ namespace anatomy {
 /// A coronary tree that arises from an aorta.
 struct CoronaryTree {
   std::string name;    ///< left or right if that is certain; else tree1, tree2, ... by falling length
-  Plane ostium;        ///< across the tree's first stretch; the normal points into the tree
+  Plane ostium;        ///< plane across the tree's first stretch; the normal points into the tree
   double diameter = 0; ///< mm, of a disc with the ostium's area; 0 if no plane across the tree was found
-  double length = 0;   ///< mm from the aorta to its farthest place
+  double length = 0;   ///< mm from the aorta to the tree's farthest place
   Offshoot offshoot;
 };
 
 struct Aorta {
   double diameter = 0;             ///< mm, of its largest inscribed ball
-  Vec3 centre = Vec3::Zero();      ///< mm, of that ball
+  Vec3 centre = Vec3::Zero();      ///< mm, centre of that ball
   std::size_t ends = 0;            ///< number of its own ends: open or flat, and wider than 9 mm
   std::vector<CoronaryTree> trees; ///< left before right if they are certain, else the longest first
-  std::vector<End> stray_ends;     ///< ends of coronary size on no tree, as of a tree cut off just behind its ostium
+  std::vector<End> stray_ends;     ///< ends of coronary size on no tree: a tree may be cut off just behind its ostium
   std::vector<Vec3> lost_tips;     ///< mm, tips of vessels on the surface that no inscribed balls lead to
   std::string unnamed_reason;      ///< why left and right are not certain; empty if they are
 
-  /// Whether it is certainly an aorta, even if the user does not say so. It has a coronary tree, and is wider than 12
+  /// Whether this is certainly an aorta, even if the user does not say so. It has a coronary tree, and is wider than 12
   /// mm with two ends of its own, or wider than 18 mm with one. `scale` as in find_aorta().
   bool is_evident(double scale = 1) const;
 };
@@ -39,8 +39,7 @@ std::optional<Aorta> find_aorta(const Mesh& mesh, double scale = 1);
 /// this place is in the aorta or no section surrounds it.
 std::optional<Plane> plane_across_tree(const Mesh& mesh, const CoronaryTree& tree, const Vec3& p);
 
-/// Distance from p (mm) to the centre of an inscribed ball of the tree, in radii of that ball: the least over all
-/// balls.
+/// Least distance from p (mm) to the centre of one of the tree's inscribed balls, in radii of that ball.
 double distance_in_radii(const CoronaryTree& tree, const Vec3& p);
 
 } // namespace anatomy

@@ -12,11 +12,10 @@ using common::InputError;
 
 // A model in cm whose unit was declared as mm is ten times too small.
 constexpr double cm_scale = 0.1;       // `scale` of find_aorta() for such a model
-constexpr double aorta_in_cm = 25;     // declared mm, largest diagonal of such a model
-constexpr double coronary_in_cm = 0.5; // declared mm, largest ostium of such a model; true 0.5 mm are never treated
-constexpr double least_tree_in_cm = 2; // declared mm, least length of the longest coronary tree of such a model
-// The user's points must be this near to a tree: distance from a ball's centre, in radii of the ball
-// (distance_in_radii()).
+constexpr double aorta_in_cm = 25;     // largest diagonal of such a model, in declared mm
+constexpr double coronary_in_cm = 0.5; // its largest ostium, in declared mm; true vessels of 0.5 mm are never treated
+constexpr double least_tree_in_cm = 2; // least length of its longest coronary tree, in declared mm
+// The user's points must be this near to a tree, by distance_in_radii().
 constexpr double ostium_reach = 3;
 constexpr double outlet_reach = 3;
 

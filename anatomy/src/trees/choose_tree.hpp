@@ -17,7 +17,7 @@ struct TreeChoice {
 /// or, if the user chooses a tree, any trunk wider than 9 mm with a tree. Warns of a trunk with two ends and a tree
 /// that is not evidently an aorta. Throws InputError if the mesh is an aorta with coronary arteries ten times too
 /// small, if the user chooses a tree and there is none, or if a vessel on the aorta cannot be followed.
-/// @param units as the user declared them
+/// @param units length unit that the user declared
 std::optional<Aorta> find_aorta_to_cut(const Mesh& mesh, const TreeChoice& choice, const std::string& units,
                                        std::vector<Repair>& repairs);
 

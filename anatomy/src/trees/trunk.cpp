@@ -5,8 +5,10 @@
 namespace anatomy {
 namespace {
 
-constexpr double least_clearance = 0.9; // least distance of an inscribed ball's centre from the wall over its radius
-// Edge of a grid cell over least_radius. Of the balls whose centres are in one cell only the largest is used.
+// A ball counts as inscribed only if its centre is this far from the wall, as a share of its radius.
+constexpr double least_clearance = 0.9;
+// Edge of a grid cell, in units of least_radius. Of the balls with centres in one cell only the largest is kept, so
+// that fewer balls stand for the trunk.
 constexpr double cell_edge = 0.2;
 
 } // namespace
