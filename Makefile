@@ -72,8 +72,8 @@ test-cpp: build
 	@mkdir -p results/tests
 	ctest --test-dir $(BUILD) --output-on-failure -j $(CORES) --output-junit $(CURDIR)/results/tests/cpp.xml
 
-# CGAL's headers take longer under the sanitizers than all else together; the anatomy's reader is left to the plain run.
-# Compiled at -O1 in half the time of -O2; without NDEBUG, so that Eigen's assertions hold too.
+# The anatomy is left out: with sanitizers CGAL's headers take longer to compile than all else together. -O1 compiles in
+# half the time of -O2. NDEBUG is not defined, so that Eigen's assertions are checked too.
 sanitize: setup ## C++ unit tests and a short fuzz of the deployment engine with the address and undefined-behaviour sanitizers
 	@[ -f build-sanitize/build.ninja ] || cmake -S . -B build-sanitize -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
 	  -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" -DVCI_SANITIZE=ON

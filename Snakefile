@@ -36,7 +36,7 @@ from workflow.rules.resources import WHOLE_NODE, fixed_resources, resources_by_s
 try:
     STUDY = Configuration(config.get("folder", "config"))
     COHORT = config.get("cohort", "nine")
-    FAILED = config.get("failed")  # failed.json of `workflow failed`: the study is made of the other cases
+    FAILED = config.get("failed")  # failed.json of `workflow failed`; the study leaves out the cases in it
     CASES = without_failed(STUDY.selected_cases(COHORT, config.get("cases")), FAILED)
     FAILED_ARMS = cases_of_failed_arms(FAILED)
 except UserError as error:
@@ -45,7 +45,8 @@ except UserError as error:
 INPUTS = Inputs(STUDY)
 HALF_MAXIMUM = HalfMaximum(INPUTS)
 HALF_MAXIMUM_CASES = [case for case in HALF_MAXIMUM.arm_cases(CASES) if case not in FAILED_ARMS]
-# Rules take a case's file as `ancient` and the sections they use as parameters: other sections may change freely.
+# Rules take a case's file as `ancient` (its date does not count) and the sections they use as parameters. So a change
+# of the file re-runs only the rules that use the changed section.
 CASE_FILE = str(STUDY.case_file("{case}"))
 VCI = os.path.join(config.get("build", "build"), "vci")
 LUMEN = os.path.join(config.get("build", "build"), "lumen")

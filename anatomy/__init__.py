@@ -1,3 +1,3 @@
 """Steps before and after the program `lumen`: lumens from CT and contours, registration, planned devices, pictures."""
 
-import common  # noqa: F401  chooses functions that round alike on every processor, before numpy is loaded
+import common  # noqa: F401  must precede numpy: it limits numpy to code that rounds alike on every processor

@@ -6,8 +6,8 @@ import pathlib
 from common.errors import InputError, guarded
 
 POINT = {"type": float, "nargs": 3, "metavar": ("X", "Y", "Z")}
-POINTS = POINT | {"action": "append", "default": []}  # for an option that may be given several times
-THICKEST_WALL_MM = 1.0  # largest --healthy-wall, as in config/schemas: three times the normal intima
+POINTS = POINT | {"action": "append", "default": []}  # for options that may be given several times, once for each point
+THICKEST_WALL_MM = 1.0  # largest value of --healthy-wall, as in config/schemas: about three times a normal intima
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 

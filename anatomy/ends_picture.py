@@ -1,4 +1,4 @@
-"""A picture of a surface with the candidates of `lumen check`: those taken for ends, and those taken for wall."""
+"""A picture of a surface with the candidates for ends of `lumen check`: some taken for ends, others for wall."""
 
 import numpy as np
 from matplotlib import pyplot as plt
@@ -10,10 +10,10 @@ from common.errors import InputError
 
 from . import picture_file
 
-COLOURS = {True: "tab:green", False: "tab:red"}  # of an end, of wall
-SIZE_INCHES = (13, 8)  # inches
+COLOURS = {True: "tab:green", False: "tab:red"}  # keys: whether a candidate was taken for an end
+SIZE_INCHES = (13, 8)  # width and height
 OSTIUM_COLOUR = "tab:blue"
-MOST_TRIANGLES = 60_000  # of a larger surface only every n-th triangle is drawn
+MOST_TRIANGLES = 60_000  # of a surface with more triangles only every n-th one is drawn
 
 
 def run(surface, candidates_file, out):
@@ -35,7 +35,10 @@ def run(surface, candidates_file, out):
 
 
 def _read_candidates(path):
-    """(candidates for ends, coronary trees of a model with an aorta), two lists of dicts. path: as for run()."""
+    """(candidates for ends, coronary trees of a model with an aorta): two lists of dicts.
+
+    path: file of `lumen check --ends`, or None.
+    """
     if path is None:
         return [], []
     remedy = "give the file of `lumen check --ends`"
@@ -46,9 +49,9 @@ def _read_candidates(path):
 
 
 def _draw(axes, corners, candidates, trees, turn_deg):
-    """Draws one view: along the shortest principal axis, or with `turn_deg` (90) along the middle one.
+    """Draws one view: along the shortest principal axis, or along the middle one if `turn_deg` is 90 instead of 0.
 
-    corners: (m, 3, 3) of the triangles, mm. candidates, trees: as _read_candidates() returns them.
+    corners (m, 3, 3): corners of the triangles in mm. candidates, trees: results of _read_candidates().
     """
     middle = corners.reshape(-1, 3).mean(axis=0)
     first, second, third = np.linalg.svd(corners[:, 0][:: max(1, len(corners) // 5000)] - middle)[2]

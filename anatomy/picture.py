@@ -10,10 +10,10 @@ from .lumen_results import read_sections, read_summary
 
 POSITION = ("x_mm", "y_mm", "z_mm")
 WIDTH_INCHES, PROFILE_INCHES, LEAST_TREE_INCHES = (
-    10,
-    4.5,
-    3.0,
-)  # inches: width, height of the plot of diameters, least height of the tree
+    10,  # width of the picture
+    4.5,  # height of the plot of diameters
+    3.0,  # least height of the tree
+)
 
 
 def run(anatomy_folder, out):
@@ -47,7 +47,8 @@ def _tree_height_inches(project, branches):
 def _projection(points):
     """Function that projects points on the plane of the two largest principal axes of `points` (n, 3).
 
-    It returns (k, 2) for (k, 3). The axes' signs are chosen by a fixed rule, so that the view is always the same.
+    It returns (k, 2) for (k, 3). A principal axis may point either way. Its sign is chosen by a fixed rule, so that the
+    same tree always has the same view.
     """
     centre = points.mean(axis=0)
     axes = np.linalg.svd(points - centre, full_matrices=False)[2][:2]
@@ -56,7 +57,7 @@ def _projection(points):
 
 
 def _column(rows, *names):
-    """Columns of a table of sections as an array (rows, names)."""
+    """Columns `names` of a table of sections as an array (rows, names)."""
     return np.array([[row[name] for name in names] for row in rows])
 
 
@@ -102,7 +103,7 @@ def _place_labels(figure, axes, labels):
             for turn in range(16):
                 angle = np.radians(preferred + 22.5 * ((turn + 1) // 2) * (-1) ** turn)
                 direction = np.array([np.cos(angle), np.sin(angle)])
-                # the label's rim, not its middle, keeps the distance
+                # The distance is measured to the label's rim, not to its middle.
                 reach = min(size / np.maximum(np.abs(direction), 1e-9))
                 middle = centre + (reach + distance * figure.dpi / 72) * direction
                 low, high = middle - size, middle + size

@@ -7,7 +7,8 @@ from common.errors import InputError
 from common.files import replacing
 
 matplotlib.use("Agg")  # needs no display
-METADATA = {".png": {"Software": None}, ".svg": {"Date": None}}  # None: not written, as it would change the bits
+# None leaves an entry out. With a date or a version of matplotlib, equal pictures would differ in their bytes.
+METADATA = {".png": {"Software": None}, ".svg": {"Date": None}}
 
 
 def check_format(out):

@@ -1,3 +1,3 @@
 """Code that every part needs: errors a user can act on, validated configuration, files written whole or not at all."""
 
-from common import processor  # noqa: F401  before numpy is loaded
+from common import processor  # noqa: F401  must come before numpy: it sets the variables that numpy reads when loaded

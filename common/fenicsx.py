@@ -1,8 +1,8 @@
 """One interface to FEniCSx 0.5 (Debian 12) and 0.9 (Debian 13), and compiled forms.
 
-Elements, function spaces and their data have one name here, so that all other code is the same for both versions.
-`cell` is a cell's name, such as "tetrahedron"; `cell_name` gives that of a mesh. Vectors have `size` components; None
-means scalars.
+Elements, function spaces and their data have one name here, so that all other code is the same for both versions. In
+the functions for elements `cell` is a cell's name, such as "tetrahedron". `size` is the number of components of a
+vector-valued element, None for a scalar one.
 """
 
 import pathlib
@@ -13,7 +13,7 @@ import numpy as np
 import ufl
 from dolfinx import fem, geometry, jit, plot
 
-# s: the longest that a program waits while another one compiles the form that both need. FEniCSx's default is 10 s.
+# Longest time in s that a program waits while another one compiles the same form. FEniCSx's default is 10 s.
 COMPILE_WAIT_S = 300
 
 if hasattr(fem, "functionspace"):  # 0.9
@@ -40,11 +40,11 @@ if hasattr(fem, "functionspace"):  # 0.9
         return basix.ufl.mixed_element(list(elements))
 
     def degrees(space):
-        """Degrees of the parts of a mixed space."""
+        """Polynomial degrees of the parts of a mixed space."""
         return [element.degree for element in space.ufl_element().sub_elements]
 
     def degree_of(space):
-        """Degree of a space that is not mixed."""
+        """Polynomial degree of a space that is not mixed."""
         return space.ufl_element().degree
 
     def petsc_vector(function):
@@ -52,13 +52,14 @@ if hasattr(fem, "functionspace"):  # 0.9
         return function.x.petsc_vec
 
     def expression_values(expression, mesh, cells):
-        """Values of a fem.Expression at its own points in each of `cells` (indices). Each row is a cell."""
+        """Values of a fem.Expression at its evaluation points in `cells` (cell numbers), one row for each cell."""
         return expression.eval(mesh, cells)
 
     def cell_dofs(space):
-        """Node numbers of a function space, shape (cells, nodes of a cell).
+        """Numbers of the nodes in each cell of a function space, shape (cells, nodes of a cell).
 
-        For a part of a mixed space they are the numbers of degrees of freedom (dofs).
+        For a part of a mixed space: the numbers in the mixed space of the part's degrees of freedom (dofs) in each
+        cell.
         """
         return space.dofmap.list
 
@@ -114,12 +115,12 @@ else:  # 0.5
 
 
 def cell_name(mesh):
-    """Name of a mesh's cells."""
+    """Name of a mesh's kind of cell, as `lagrange` and the other elements take it."""
     return mesh.ufl_cell().cellname()
 
 
 def containing_cells(mesh, points):
-    """Index (n,) of the cell that contains each of points (n, 3), in the mesh's unit. Of several, the first found."""
+    """Index (n,) of the first cell found that contains each of points (n, 3), in the mesh's unit."""
     colliding = geometry.compute_colliding_cells(mesh, _candidate_cells(mesh, points), points)
     return np.array([colliding.links(k)[0] for k in range(len(points))], np.int32)
 
@@ -130,7 +131,7 @@ def quadratic_domain(cell):
 
 
 def form(expression, flags=()):
-    """Compiled form of a UFL expression; flags: for the C compiler, in place of FEniCSx's own."""
+    """Compiled form of a UFL expression. flags: options of the C compiler, in place of FEniCSx's own."""
     options = {"timeout": COMPILE_WAIT_S}
     if flags:
         options["cffi_extra_compile_args"] = list(flags)
@@ -140,8 +141,9 @@ def form(expression, flags=()):
 def remove_unfinished_cache():
     """Removes files that killed programs left in FEniCSx's compilation cache; returns the files' names.
 
-    Such a source file tells every later program that another program is compiling the form. The later program would
-    wait, and then fail. Only files older than COMPILE_WAIT_S are removed; no form takes that long.
+    A source file without its `.cached` file says that a program is compiling this form. If that program was killed,
+    every later one waits for it, and then fails. Only files older than COMPILE_WAIT_S are removed; no form takes that
+    long.
     """
     removed = []
     for source in pathlib.Path(jit_options()["cache_dir"]).expanduser().glob("libffcx_*.c"):
@@ -149,7 +151,7 @@ def remove_unfinished_cache():
             if not source.with_suffix(".c.cached").exists() and time.time() - source.stat().st_mtime > COMPILE_WAIT_S:
                 source.unlink()
                 removed.append(source.name)
-        except FileNotFoundError:  # another program was faster
+        except FileNotFoundError:  # another program has just removed it
             continue
     return removed
 

@@ -39,7 +39,7 @@ def write_json(path, document):
 def write_table(path, table, digits=6):
     """Writes a DataFrame as CSV without its index; a missing value becomes an empty field.
 
-    digits: significant digits of the numbers; None writes as many as give the same number when read again.
+    digits: significant digits of the numbers; with None, as many as are needed to read the same number again.
     """
     with replacing(path) as partial:
         table.to_csv(partial, index=False, float_format=None if digits is None else f"%.{digits}g", lineterminator="\n")

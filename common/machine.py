@@ -1,4 +1,4 @@
-"""The machine: processor, cores and memory, on which seconds depend."""
+"""Describes this machine's processor, cores and memory, on which measured times depend."""
 
 import os
 import pathlib
@@ -11,8 +11,8 @@ KIB_PER_GIB = 1024**2
 def machine(processor_file=PROCESSOR_FILE, memory_file=MEMORY_FILE):
     """{"processor", "cores", "memory_gib"} of this machine, as Linux tells them.
 
-    processor: its name; empty if Linux gives none, as on ARM. cores: those that the system shows; two threads of one
-    core count twice. memory_gib: all of it, in GiB; None if Linux does not tell.
+    processor: name of the model, empty if Linux gives none, as on ARM. cores: number of logical cores; two threads of
+    one core count twice. memory_gib: total memory in GiB, None if Linux does not tell.
     """
     name = re.search(r"^model name\s*: (.*)$", processor_file.read_text(), re.MULTILINE)
     memory = re.search(r"^MemTotal:\s*(\d+) kB$", memory_file.read_text(), re.MULTILINE)

@@ -1,7 +1,7 @@
 """The same last digits on every processor.
 
-numpy and OpenBLAS choose their functions by the processor, and different functions round differently. The last
-digits of a vessel then depend on the machine, and all results that are made of it differ.
+numpy and OpenBLAS choose their functions by the processor, and different functions round differently. The last digits
+of a vessel's coordinates would depend on the machine, and so would all results that follow from them.
 common/processor.hpp does the same for C++.
 """
 
@@ -9,8 +9,8 @@ import os
 import pathlib
 import sys
 
-# numpy's names of AVX-512's parts, each with a flag by which Linux tells that the processor has it. Without them numpy
-# takes its functions for AVX2. numpy warns of a name that the processor does not have.
+# {numpy's name of a part of AVX-512: the flag by which Linux shows that the processor has this part}. If the parts are
+# disabled, numpy uses its functions for AVX2. Parts that the processor lacks are not named to numpy, which would warn.
 AVX512_FLAGS = {
     "AVX512F": "avx512f",
     "AVX512CD": "avx512cd",
@@ -19,14 +19,14 @@ AVX512_FLAGS = {
     "AVX512_CNL": "avx512vbmi",
     "AVX512_ICL": "avx512_vbmi2",
 }
-OPENBLAS_KERNEL = "Haswell"  # of OpenBLAS: for AVX2 and fused multiply-add
+OPENBLAS_KERNEL = "Haswell"  # OpenBLAS's name of its functions for AVX2 and fused multiply-add
 
 
 def limit_to_avx2(environment, flags):
     """Sets the variables for numpy and OpenBLAS in `environment` (a dict), unless the user has set them.
 
-    flags: the processor's features as Linux names them. Without AVX2 and fused multiply-add nothing is set, because
-    these functions would not run.
+    flags: the processor's features as Linux names them. Without AVX2 and fused multiply-add nothing is set, because the
+    functions for AVX2 would not run.
     """
     if architecture(flags) != "x86-64-v3":
         return
@@ -36,9 +36,10 @@ def limit_to_avx2(environment, flags):
 
 
 def architecture(flags):
-    """The processor's architecture as compilers name it, held to AVX2: x86-64-v3 or x86-64; `native` for other kinds.
+    """The architecture that compiled code may use, as compilers name it: x86-64-v3 (AVX2) at most.
 
-    flags: as in `limit_to_avx2`. Every processor with AVX2 and fused multiply-add has the rest of x86-64-v3 too.
+    It is x86-64 on processors without AVX2 and fused multiply-add, `native` on other kinds of processor. Those with
+    both have the rest of x86-64-v3 too. flags: as in `limit_to_avx2`.
     """
     if "sse2" not in flags:  # every x86-64 has it
         return "native"
@@ -54,5 +55,5 @@ def cpu_flags():
     return next((line.split(":")[1].split() for line in lines if line.startswith("flags")), [])
 
 
-if "numpy" not in sys.modules:  # a loaded library has chosen already
+if "numpy" not in sys.modules:  # numpy, once loaded, has chosen its functions already
     limit_to_avx2(os.environ, cpu_flags())

@@ -1,6 +1,6 @@
-# source_folder(PART FOLDER [DEPENDS folder...] [LIBRARIES target...]): the library <part>_<folder> of the sources in one
-# folder of a part. Its include tree holds links to the folder's own headers alone, so that an include of anything
-# beyond what it depends on does not compile. tests/unit/test_layers.py reads these lines too. The variable parsed_by
+# source_folder(PART FOLDER [DEPENDS folder...] [LIBRARIES target...]) makes the library <part>_<folder> of the sources in
+# one folder of a part. Its include path has links to the folder's own headers alone. So a source that includes a header
+# from a folder outside DEPENDS does not compile. tests/unit/test_layers.py reads the calls, too. The variable parsed_by
 # names a target whose precompiled headers are used again.
 function(source_folder part folder)
   cmake_parse_arguments(ARG "" "" "DEPENDS;LIBRARIES" ${ARGN})

@@ -82,5 +82,5 @@ def write(image, path, description):
         writer.Write()
         content = bytearray(plain.read_bytes())
         content[UNITS_BYTE] = MILLIMETRES  # vtkNIFTIImageWriter leaves the units unknown
-        # Without the time of day, so that the same volume gives the same bits.
+        # mtime=0 leaves out the time of day, so that the same volume gives the same bits.
         partial.write_bytes(gzip.compress(content, 6, mtime=0) if partial.suffix == ".gz" else content)

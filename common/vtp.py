@@ -27,7 +27,10 @@ def read(path, remedy):
 
 
 def read_triangles(path, remedy):
-    """As `read`. Also raises InputError if there are no polygons, or one with more than three corners."""
+    """The vtkPolyData in a .vtp file of triangles, read and checked as by `read`.
+
+    Also raises InputError if there are no polygons, or one with more than three corners.
+    """
     poly = read(path, remedy)
     if poly.GetNumberOfPolys() == 0 or poly.GetPolys().GetMaxCellSize() != 3:
         raise InputError("not a triangle surface", path, f"{poly.GetNumberOfPolys()} cells", "give closed triangles")

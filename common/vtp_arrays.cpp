@@ -16,7 +16,7 @@ vtkStandardNewMacro(VtpArrays);
 
 namespace {
 
-// levels of elements within elements. The deepest that VTK writes, a value in an array's information, is at level 8.
+// Most levels of nested elements. VTK writes 8 at most: a value in an array's information lies that deep.
 constexpr unsigned int max_nesting = 16;
 
 bool is_ascii(vtkXMLDataElement* array) {
@@ -76,7 +76,7 @@ void VtpArrays::set_compressor() {
 
 /// Moves to the start of an array's binary data, for reading from DataStream.
 void VtpArrays::seek(vtkXMLDataElement* array) {
-  Stream->clear(); // an earlier read may have met the file's end
+  Stream->clear(); // an earlier read may have set the end-of-file state
   if (array->GetAttribute("offset")) {
     long long offset = 0;
     array->GetScalarAttribute("offset", offset);

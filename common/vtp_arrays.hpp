@@ -18,13 +18,13 @@ struct DamagedFile : std::runtime_error {
 class VtpArrays : public vtkXMLDataParser {
 public:
   static VtpArrays* New();
-  /// Parses the elements. Throws DamagedFile if they are not XML, or more than 16 levels of elements lie in one
-  /// another: VTK deletes nested elements by recursion.
+  /// Parses the elements. Throws DamagedFile if they are not XML, or are nested in more than 16 levels. VTK deletes
+  /// nested elements by recursion, which could overflow the stack.
   void parse(std::istream& stream, std::uint64_t file_size);
   /// The first `count` values of an array, as the bytes that VTK's reader would store. An array of texts (VTK_STRING)
   /// is read whole.
   /// Throws DamagedFile if the file holds fewer values, or if the header of binary data is malformed.
-  /// @param type as VTK numbers types, for example VTK_DOUBLE
+  /// @param type VTK's number of the values' type, for example VTK_DOUBLE
   std::vector<unsigned char> read(vtkXMLDataElement* array, int type, std::uint64_t count);
 
 protected:

@@ -14,7 +14,7 @@ namespace common {
 
 namespace {
 
-constexpr int most_components = 1000; // of an array. VTK's reader looks for a name of each component.
+constexpr int most_components = 1000; // most components of an array: VTK's reader looks for a name of each one
 
 bool has_name(vtkXMLDataElement* element, const char* name) {
   return std::strcmp(element->GetName(), name) == 0;
@@ -39,7 +39,7 @@ std::uint64_t count_attribute(vtkXMLDataElement* element, const char* attribute)
 struct ArrayHeader {
   vtkXMLDataElement* element;
   std::string name;
-  int type; ///< as VTK numbers types, for example VTK_DOUBLE
+  int type; ///< VTK's number of the values' type, for example VTK_DOUBLE
   std::uint64_t components;
 };
 

@@ -1,3 +1,3 @@
 """Virtual patients with a known truth, and their lumen after PCI by an independent method."""
 
-import common  # noqa: F401  chooses functions that round alike on every processor, before numpy is loaded
+import common  # noqa: F401  must precede numpy: it limits numpy to code that rounds alike on every processor

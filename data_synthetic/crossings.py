@@ -3,22 +3,22 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-PAIRS_AT_ONCE = 200_000  # pairs tested at once; bounds the memory
+PAIRS_AT_ONCE = 200_000  # number of pairs tested at once, to limit the memory
 
 
 def crossing_pairs(points, triangles):
     """Pairs (k, 2) of triangles that share no vertex and cross, sorted; empty for a surface that does not cross itself.
 
     points (n, 3), triangles (m, 3). Two triangles cross if an edge of one pierces the other. Overlap of coplanar
-    triangles, as in a flat cap, is not found. Pairs that share a vertex need no test: if they fold over each other,
-    they also cross other neighbours.
+    triangles, as in a flat cap, is not found. Pairs that share a vertex are not tested: if they fold over each other,
+    other neighbours cross too.
     """
     corners = points[triangles]
     middle = corners.mean(axis=1)
     radius = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
     found = [np.empty((0, 2), int)]
-    # One search with a radius that fits 99 % of the triangles. Each larger triangle searches by itself, so that a few
-    # long triangles do not enlarge the search of all others.
+    # Only triangles whose middles are near can cross. One search has a radius that fits 99 % of the triangles. Each
+    # larger triangle searches by itself, so that a few long triangles do not enlarge the search of all others.
     tree, sorted_radii = cKDTree(middle), np.sort(radius)
     typical = sorted_radii[int(0.99 * (len(sorted_radii) - 1))]
     pairs = [tree.query_pairs(2 * typical, output_type="ndarray")]

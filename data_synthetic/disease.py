@@ -8,7 +8,7 @@ PLAQUE_TYPES = {"fibrous": FIBROUS, "lipid": LIPID}
 
 
 def lesion_extent(lesion):
-    """Arc lengths (mm) at which a lesion starts and ends."""
+    """(start, end) of a lesion as arc lengths in mm."""
     half = 0.5 * lesion["length_mm"]
     return lesion["centre_s_mm"] - half, lesion["centre_s_mm"] + half
 
@@ -18,9 +18,9 @@ def _cosine_bump(x):
 
 
 def stenosis_profile(lesion, s_mm, phase_rad=0.0):
-    """Share of the lesion's stenosis at arc lengths s_mm: about 1 where a lesion is tightest, 0 outside it.
+    """Share of the lesion's stenosis at arc lengths s_mm: about 1 where the lesion is tightest, 0 outside it.
 
-    It is continuously differentiable. phase_rad: phase (rad) of the undulation of a diffuse lesion.
+    It is continuously differentiable. phase_rad: phase (rad) of the waves along a diffuse lesion.
     """
     x = (np.asarray(s_mm, float) - lesion["centre_s_mm"]) / (0.5 * lesion["length_mm"])
     if lesion["shape"] == "focal":

@@ -16,16 +16,17 @@ MAIN_LENGTH_MM = {"lad": (65, 105), "lcx": (60, 85), "rca": (75, 110)}
 LESION_SHARES = {"focal": 0.45, "diffuse": 0.25, "tandem": 0.15, "bifurcation": 0.15}
 LESION_LENGTH_MM = {"focal": (8, 15), "diffuse": (18, 28), "tandem": (18, 26), "bifurcation": (8, 14)}
 SMALLEST_TREATED_MM = 2.6  # healthy diameter at the lesion; smaller vessels are rarely stented
-LARGEST_TREATED_MM = 4.4  # healthy diameter at the lesion's distal end; the catalogue's largest stents have 4.5 mm
-CLEAR_OF_OSTIA_MM = 3.0  # wanted distance between a lesion's end and the nearest ostium
-MOST_DRAWS = 200  # most draws for one patient
-MOST_PATIENTS = 1_000_000  # patients in a cohort; each has its own file and takes some milliseconds
+# Largest healthy diameter at the lesion's distal end; the largest stents of the catalogue have 4.5 mm.
+LARGEST_TREATED_MM = 4.4
+CLEAR_OF_OSTIA_MM = 3.0  # wanted distance between a lesion's end and the nearest ostium, where there is room
+MOST_DRAWS = 200  # a patient is drawn at most this many times until it can be built
+MOST_PATIENTS = 1_000_000  # largest cohort; each patient has a file and takes some milliseconds
 
 
 def run(count, seed, out):
     """Writes `out`/patient001.yaml ... (patient1000.yaml ...) for `count` patients; returns their paths.
 
-    Patient k of a seed is the same whatever the count. Raises InputError for a count or seed out of range.
+    Patient k of a seed is the same for every count. Raises InputError for a count or seed out of range.
     """
     check(count, seed)
     paths = [pathlib.Path(out) / f"patient{number:03d}.yaml" for number in range(1, count + 1)]
@@ -62,7 +63,7 @@ def draw_patient(seed, number):
             patient.check(vessel, "draw")
             branches = tree.grow(vessel, "draw")
         except InputError:
-            continue  # impossible combination, such as a side branch too wide or a tree that meets itself
+            continue  # the draw is impossible: for example a side branch is too wide, or the tree meets itself
         if _treatable(branches[0], case["vessel"]["lesions"][0]):
             return case
     raise ComputationError("no patient that can be built", "draw", f"{MOST_DRAWS} attempts", "another seed")
@@ -174,7 +175,7 @@ def _random_uniform(rng, low, high, digits):
 
 
 def _truncated_normal(rng, mean, sd, low, high, digits):
-    """A normal number, drawn again until it lies between low and high."""
+    """A normally distributed number, drawn again until it lies between low and high."""
     while True:
         value = rng.normal(mean, sd)
         if low <= value <= high:

@@ -13,7 +13,7 @@ from common.plaque_types import CALCIFIED, NONE
 
 from . import crossings, patient, tree, truth
 
-GRID_SPACING_MM = 0.2  # of the grid on which the surface is first found
+GRID_SPACING_MM = 0.2  # spacing of the grid on which the surface is first found
 LARGEST_RMS_ERROR_MM = 0.001  # root mean square distance of the surface's wall points from the exact wall
 
 
@@ -37,7 +37,10 @@ def plaque_at(branches, points_mm):
 
 
 def check_narrowest_radius(branches, spacing_mm, where):
-    """Raises InputError for a lumen so narrow that it might lie between the points of the grid, with none inside."""
+    """Raises InputError if a lumen is too narrow for the grid of spacing_mm.
+
+    A narrower lumen might lie between the grid's points, with none inside. The surface would miss it.
+    """
     least_radius_mm = 0.5 * 3**0.5 * spacing_mm  # half the diagonal of a cell
     for branch in branches:
         narrowest = int(np.argmin(branch.radius_mm))

@@ -1,4 +1,4 @@
-"""Healthy radii of a tree: steps by a power law at its bifurcations, taper between them.
+"""Healthy radii of a tree: they step by a power law at bifurcations, and taper between them.
 
 Along an ostium neither vessel tapers. So the radii on its three sides obey R_before^m = R_after^m + R_side^m exactly,
 and the exponent m can be measured on the finished vessel.
@@ -19,7 +19,7 @@ class Bifurcation:
 
     s_mm: arc length at which the branch leaves the main axis. start_mm, end_mm: stretch of the main axis without taper.
     side_level_mm: length of the side branch's axis without taper, from its root. after_mm is 0 if the side branch takes
-    the whole vessel.
+    the whole vessel; `patient.check` refuses that.
     """
 
     s_mm: float
@@ -45,8 +45,8 @@ def bifurcations(vessel):
         before = float(0.5 * vessel["main"]["ostial_diameter_mm"] * left * _main_taper(vessel, found, start))
         radius, angle = 0.5 * side["diameter_mm"], np.radians(side["angle_deg"])
         after = max(before**exponent - radius**exponent, 0.0) ** (1 / exponent)
-        # rim: distance along the main axis to the ostium's distal edge on the main wall. level: distance along the side
-        # branch from which it is clear of that wall all round.
+        # `rim` is the distance along the main axis to the distal edge of the ostium on the main wall. Beyond the
+        # distance `level` along the side branch, the branch is clear of that wall all round.
         rim = before / np.tan(angle) + radius / np.sin(angle) + BLEND_MM
         level = before / np.sin(angle) + radius / abs(np.tan(angle)) + BLEND_MM
         end = side["s_mm"] + max(TRANSITION_HALF_MM, rim)

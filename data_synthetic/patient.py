@@ -1,4 +1,4 @@
-"""Reads a synthetic case. A vessel that cannot be built is refused with a message that names the key."""
+"""Reads a synthetic case, and refuses a vessel that cannot be built, with a message that names the key."""
 
 import pathlib
 
@@ -8,8 +8,8 @@ from common.errors import InputError
 from . import healthy_radius, disease
 
 
-NARROWEST_MAIN_MM = 1.2  # diameter past the last side branch
-NARROWEST_END_MM = 0.6  # diameter: three cells of the grid on which the surface is found
+NARROWEST_MAIN_MM = 1.2  # least diameter of the main vessel past its last side branch
+NARROWEST_END_MM = 0.6  # least diameter at an end: three cells of the grid on which the surface is found
 
 
 def load(path):
@@ -102,7 +102,7 @@ def _check_taper(branch, end, key, refuse):
 def _check_overlap(others, lesion, key, refuse):
     """Raises InputError if the lesion overlaps one of `others` that shifts the lumen differently.
 
-    The lumen's axis would jump where one lesion takes over from the other.
+    At the place where one lesion becomes deeper than the other the lumen's axis would jump.
     """
     start, end = disease.lesion_extent(lesion)
     for number, other in enumerate(others, start=1):
@@ -120,7 +120,10 @@ def _check_overlap(others, lesion, key, refuse):
 
 
 def _lumen_shift(lesion):
-    """(eccentricity, direction in degrees) of a lesion. The direction of a concentric lesion is set to 0."""
+    """(eccentricity, direction in degrees) of a lesion, by which two lesions are compared.
+
+    A concentric lesion shifts nothing, so its direction is set to 0.
+    """
     return lesion["eccentricity"], lesion["direction_deg"] % 360 if lesion["eccentricity"] else 0
 
 

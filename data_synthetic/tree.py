@@ -1,4 +1,4 @@
-"""The coronary tree of a virtual patient: axes, healthy radii, lumen radii."""
+"""Grows the coronary tree of a virtual patient: axes, healthy radii, lumen radii."""
 
 import collections
 from dataclasses import dataclass, field
@@ -13,18 +13,19 @@ from common.plaque_types import FIBROUS
 
 from . import healthy_radius, disease
 
-HEART_CURVATURE = {"lad": 1 / 45, "lcx": 1 / 32, "rca": 1 / 26}  # 1/mm: an artery's bend over the heart
+HEART_CURVATURE = {"lad": 1 / 45, "lcx": 1 / 32, "rca": 1 / 26}  # 1/mm: curvature of an artery's bend over the heart
 # Widths of two Gaussian kernels that turn noise into random curvature, so that bends alternate over about 15 mm. The
-# wide kernel, of the same integral, is subtracted from the narrow one to keep a bend from looping.
+# wide kernel is subtracted from the narrow one. Both have the same integral, so the mean curvature is about 0 and bends
+# do not become loops.
 NARROW_KERNEL_MM, WIDE_KERNEL_MM = 3.0, 8.0
-MOST_DRAWS = 60  # most draws of a tree for one seed
+MOST_DRAWS = 60  # a tree is drawn at most this many times for one seed
 
 
 @dataclass
 class Branch:
     """One branch of a tree. All arrays (n,) or (n, 3) are samples along `axis`, which is the lumen's axis.
 
-    radius_mm: radius of the lumen; healthy_radius_mm: that of the healthy lumen; shift_mm: vector from the healthy
+    radius_mm: radius of the lumen. healthy_radius_mm: radius of the healthy lumen. shift_mm: vector from the healthy
     vessel's axis to the lumen's. parent: name of the branch from which it leaves, "" for the main vessel.
     """
 
@@ -66,7 +67,10 @@ class Branch:
         return np.max(shares, axis=0) if shares else np.zeros(np.broadcast(s_mm, theta_rad).shape)
 
     def uncalcified_type(self, s_mm):
-        """Plaque type (int) outside calcium: the nearest lesion's type, or fibrous in a branch without a lesion."""
+        """Plaque type (int) outside calcium at arc lengths s_mm: the nearest lesion's type.
+
+        In a branch without a lesion it is fibrous.
+        """
         if not self.lesions:
             return np.full(np.shape(s_mm), FIBROUS)
         distance = [np.abs(s_mm - le["centre_s_mm"]) / le["length_mm"] for le in self.lesions]
@@ -94,7 +98,7 @@ def _gaussian(x, width):
 def _random_axis(vessel, rng):
     """The main vessel's axis (Curve): the bend over the heart plus smooth random curvature.
 
-    Mean and bound of the curvature are those of the vessel's description (dict).
+    vessel (dict) gives the mean curvature and its upper bound.
     """
     main = vessel["main"]
     count = int(round(main["length_mm"] / SAMPLE_MM)) + 1
@@ -123,12 +127,13 @@ def _random_axis(vessel, rng):
 
 
 def _side_axis(main, side, main_radius):
-    """Axis of a side branch: leaves at its angle, then follows the main vessel's direction at a distance."""
+    """Axis of a side branch: it leaves at its angle, then follows the main vessel's direction at a distance."""
     tangent, normal, binormal = main.frame(side["s_mm"])
     azimuth, angle = np.radians(side["azimuth_deg"]), np.radians(side["angle_deg"])
     outward = np.cos(azimuth) * normal + np.sin(azimuth) * binormal
     s = np.linspace(0, side["length_mm"], int(round(side["length_mm"] / SAMPLE_MM)) + 1)
-    # Straight to 3 mm past the main wall, then a turn towards the main direction, at most 0.04 rad/mm, to 30 degrees.
+    # The branch runs straight to 3 mm past the main wall. Then it turns towards the main vessel's direction, by at most
+    # 0.04 rad/mm, until the angle is 30 degrees.
     straight = main_radius / np.sin(angle) + 3.0
     turned = np.maximum(
         angle - 0.04 * np.maximum(s - straight, 0) * healthy_radius.smooth_step((s - straight) / 4), np.radians(30)
@@ -140,7 +145,10 @@ def _side_axis(main, side, main_radius):
 
 
 def _branch_with_lesions(name, parent, s_parent, axis, healthy, lesions, rng):
-    """Branch with its lesions: lumen radius, and axis shifted for eccentric plaque."""
+    """The Branch with its lesions: they narrow the lumen, and eccentric plaque shifts the lumen's axis.
+
+    axis: Curve of the healthy vessel. healthy: its radii at the samples of the axis.
+    """
     s = axis.s_mm
     phases = rng.uniform(0, 2 * np.pi, len(lesions))
     loss, relative_shift = np.zeros_like(s), np.zeros((len(s), 3))
@@ -149,7 +157,8 @@ def _branch_with_lesions(name, parent, s_parent, axis, healthy, lesions, rng):
         lesion_loss = 0.01 * lesion["diameter_stenosis_percent"] * profile / max(profile.max(), 1e-12)
         direction = np.radians(lesion["direction_deg"])
         ray = np.cos(direction) * axis.normals + np.sin(direction) * axis.binormals
-        # Of overlapping lesions the deeper one counts; at this sampling the change is smooth enough.
+        # Where lesions overlap, the deeper one counts. The change from one to the other is smooth enough at this
+        # sampling.
         deeper = lesion_loss > loss
         loss = np.maximum(loss, lesion_loss)
         relative_shift = np.where(
@@ -157,7 +166,7 @@ def _branch_with_lesions(name, parent, s_parent, axis, healthy, lesions, rng):
         )
     shift = relative_shift * healthy[:, None]
     shifted = Curve(axis.points_mm + shift) if np.any(shift) else axis
-    # Arc lengths, along the lumen's axis, of the points that were sampled along the healthy axis.
+    # The values were sampled along the healthy axis. s_new: arc lengths of the same points along the lumen's axis.
     s_new = shifted.nearest(axis.points_mm + shift)
     moved = [dict(le, centre_s_mm=float(np.interp(le["centre_s_mm"], s, s_new))) for le in lesions]
 
@@ -205,9 +214,10 @@ def _first_conflict(branches):
 
 
 def _passes_before_an_end(branch, branches):
-    """Whether the wall of `branch` lies where the surface is cut away at an open end of one of `branches`.
+    """Whether the wall of `branch` lies where the surface is cut off at an open end of one of `branches`.
 
-    The vessel runs straight on beyond an end until the cut. A wall in its way would merge with it and be cut open.
+    Beyond an open end the vessel is first meshed straight on, then cut off at the end's plane. A wall in its way would
+    merge with it, and would be cut open.
     """
     axis, every = branch.axis, slice(None, None, 3)
     theta = np.linspace(0, 2 * np.pi, 24, endpoint=False)[:, None, None]
@@ -215,7 +225,7 @@ def _passes_before_an_end(branch, branches):
     wall = (axis.points_mm[every] + branch.radius_mm[every, None] * ray).reshape(-1, 3)
     for _, centre, normal, radius in open_ends(branches):
         height, reached = reach_of_cut(wall, centre, normal, radius)
-        # The rim of the end itself lies in the plane.
+        # The end's own rim lies in the plane, at height 0. It does not count.
         if np.any(reached & (height > 0.01)):
             return True
     return False
@@ -228,7 +238,7 @@ def _walls_too_close(branch, other):
     q, t, ro = other.axis.points_mm[coarse], other.axis.s_mm[coarse], other.healthy_radius_mm[coarse]
     gap = np.linalg.norm(p[:, None] - q[None], axis=2) - np.add.outer(r, ro)
     root = other.parent == branch.name
-    # A side branch may be near its parent only at its root.
+    # A side branch may be near its parent only at its root, over this length of its axis.
     free = t > (branch.healthy_radius(other.s_on_parent_mm) / np.sin(np.radians(30)) + 2.5 * ro[0] if root else 0)
     if not root and abs(other.s_on_parent_mm - branch.s_on_parent_mm) < 4 * branch.healthy_radius_mm.max():
         free = t > 6
@@ -239,7 +249,7 @@ def grow(vessel, where="vessel"):
     """Branches [main, side1, ...] of a checked vessel (dict, defaults filled in).
 
     The axes are those of the lumen; the inlet is at the origin. Random axes are drawn from the seed until no branches
-    conflict. Raises InputError if all MOST_DRAWS fail.
+    conflict. where: the vessel's place in the case, for messages. Raises InputError if all MOST_DRAWS fail.
     """
     rng = np.random.default_rng(vessel["seed"])
     conflicts = collections.Counter()

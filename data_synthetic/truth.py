@@ -1,4 +1,4 @@
-"""truth.json: the exact geometry of a virtual patient, written and read back as branches."""
+"""Writes truth.json, the exact geometry of a virtual patient, and reads it back as branches."""
 
 import numpy as np
 
@@ -14,7 +14,8 @@ SCHEMA = "vci-truth-1"
 def document(vessel, branches, rms_mm, vertices, triangles):
     """The content of truth.json: samples (mm) of each branch, true areas and stenoses of its lesions, wall thickness.
 
-    rms_mm: rms error of the surface's wall points. vertices, triangles: how many of each the surface has.
+    rms_mm: rms distance of the surface's wall points from the exact wall. vertices, triangles: their numbers in the
+    surface.
     """
     forks = healthy_radius.bifurcations(vessel)
     return {
@@ -66,7 +67,7 @@ def _true_lesion_values(branch, lesion):
 
 
 REGENERATE_REMEDY = "run data_synthetic generate again"
-# number of dimensions of each array of samples: (n,) or (n, 3)
+# Number of dimensions of each array of samples: 1 for (n,), 2 for (n, 3).
 SAMPLE_DIMENSIONS = {"s_mm": 1, "points_mm": 2, "radius_mm": 1, "healthy_radius_mm": 1, "shift_mm": 2}
 
 

@@ -15,7 +15,7 @@ from flow import settings as settings_module
 
 
 def _patient_values(arguments, case):
-    """Section `patient` of the case file, or the patient's values of the command line. Raises InputError."""
+    """The patient's values: section `patient` of the case file, or those given as options. Raises InputError."""
     given = {key: getattr(arguments, key) for key in ("lvm_g", "sbp_mmhg", "dbp_mmhg")}
     if arguments.case:
         twice = [settings_module.option_name(key) for key, value in given.items() if value is not None]
@@ -84,7 +84,7 @@ def mesh_command(arguments):
 
 
 def _read_case(arguments):
-    """reduced.extended.ExtendedLumen of the files that `flow solve` reads. Raises InputError."""
+    """reduced.extended.ExtendedLumen made from the files that `flow solve` reads. Raises InputError."""
     settings = settings_module.from_arguments(arguments)
     from flow.geometry import centreline
     from flow.inputs import boundary, lumen_summary
@@ -162,7 +162,7 @@ def rank_command(arguments):
     if len(plans) < len(arguments.plans) or not all(plans.values()):
         raise InputError("plans are not named apart", "command line", arguments.plans, "give NAME=FOLDER for each")
     measured = [(path, json_reader.read(path, "ffr.json").data) for path in arguments.measured]
-    # 3d is the default of this setting, and may stand in a settings file shared with `flow solve`
+    # A settings file shared with `flow solve` may hold 3d, the default. Ranking then takes this reduced model.
     model = "axisymmetric" if settings.model == "3d" else settings.model
     table = ranking.rank(plans, document, settings, model, measured)
     write_table(arguments.out, table)
@@ -170,7 +170,7 @@ def rank_command(arguments):
 
 
 def _add_solve_inputs(command):
-    """Adds the arguments for the files that `flow solve` and `flow audit` read to the parser of a command."""
+    """Adds to a command's parser the arguments for the files that `flow solve` and `flow audit` read."""
     command.add_argument("mesh", help="mesh.msh")
     command.add_argument(
         "--coarse",

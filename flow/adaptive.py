@@ -1,9 +1,9 @@
 """Chooses the mesh whose flow is the answer: the coarsest whose estimated error is within the tolerance, else the best.
 
-The meshes are solved from coarse to fine. Each solve starts from the flow on the mesh before. A mesh on which no flow
-is found is left out if another one has a flow. On meshes before the last two, continuation (solvers.continuation) ends
-while the artificial viscosity eps is still large. Down to this eps a coarse mesh serves as well as a finer one, at a
-third of the cost. If the best flow found before the last mesh has an eps > 0, the last mesh is solved with the same
+The meshes are solved from coarse to fine, each from the flow on the mesh before. A mesh without a flow is skipped if
+another one has a flow. Where continuation is needed (solvers.continuation), it lowers an artificial viscosity eps. On
+meshes before the last two it ends while eps is still large. Down to this eps a coarse mesh serves as well as a finer
+one, at a third of the cost. If the best flow before the last mesh has an eps > 0, the last mesh is solved with this
 eps.
 """
 
@@ -49,8 +49,8 @@ class MeshSearch:
     """The search for a flow in one lumen with an error of FFR of at most `settings.ffr_tolerance`.
 
     document: content of boundary.json; tree: geometry.centreline.Tree without extensions; predictor:
-    reduced.coupled.Predictor. Results: meshes: one record for each mesh that was solved; factorizations: made so far;
-    start_record: whether the start from another state led to a flow, None without such a start.
+    reduced.coupled.Predictor. Results: meshes: one record for each mesh that was solved; factorizations: number made on
+    all meshes; start_record: whether the start from another state led to a flow, None without such a start.
     """
 
     def __init__(self, document, settings, tree, predictor):
@@ -93,16 +93,16 @@ class MeshSearch:
                 answer = solved
             if tolerance_met(answer.estimate, self.settings):
                 break
-            answer.problem.release()  # the factors of two meshes need not fit into memory at once
+            answer.problem.release()  # frees the factors: memory may not hold those of two meshes
         print(f"{answer.path} answers", file=sys.stderr, flush=True)
         return answer
 
     def solve_from_state(self, paths, start):
-        """Solves from the flow of another state, without artificial viscosity, on that state's mesh.
+        """Solves on the mesh of another state's answer, from that answer's flow, without artificial viscosity.
 
-        Returns SolvedMesh, or None. That mesh is the one in `paths` with the name of the mesh on which the other
-        state's answer was found. The result is None if there is no such mesh, if no state is given, or if its answer
-        has an artificial viscosity. It is also None if Newton's method does not converge from its flow.
+        start: as in `run`. The mesh is the one in `paths` with the same file name. Returns SolvedMesh, or None if
+        Newton's method does not converge. Also returns None without a state, if its answer has an artificial viscosity,
+        or if `paths` has no such mesh.
         """
         names = [pathlib.Path(path).name for path in paths]
         if start is None or start.artificial_viscosity > 0 or start.mesh_name not in names:
@@ -119,9 +119,9 @@ class MeshSearch:
         return solved
 
     def record_failure(self, path, error):
-        """{mesh, factorizations} of the mesh `path`, on which the solve ended with the ComputationError `error`.
+        """Counts the factorizations of a solve that ended with the ComputationError `error`.
 
-        The factorizations are counted.
+        Returns its record {mesh, factorizations}. path: the mesh file.
         """
         factorizations = getattr(error, "factorizations", 0)
         self.factorizations += factorizations
@@ -130,8 +130,9 @@ class MeshSearch:
     def solve_on_mesh(self, path, coarser, effort, start=None):
         """Solves on the mesh `path` and estimates the error. Returns SolvedMesh, raises ComputationError.
 
-        The solve starts from `start`, or from the flow `coarser` (SolvedMesh on another mesh), which also serves the
-        estimate. effort: EFFORT_EARLY_STOP, EFFORT_FULL or EFFORT_GUESS_ONLY of solvers.solved_mesh.
+        The solve starts from `start`, else from `coarser` (SolvedMesh on another mesh), else from the reduced models or
+        rest. The error estimate uses `coarser` too. effort: EFFORT_EARLY_STOP, EFFORT_FULL or EFFORT_GUESS_ONLY of
+        solvers.solved_mesh.
         """
         begin, arguments = time.process_time(), (self.document, self.settings, self.tree, self.predictor)
         solved = solve_mesh(path, *arguments, coarser, self.factorizations, effort, start)
@@ -146,7 +147,7 @@ class MeshSearch:
         return [probe["ffr"] for probe in ffr.at_probes(self.document, self.tree, sampler)]
 
     def mesh_record(self, solved):
-        """Entry of `meshes` in ffr.json, printed too."""
+        """Entry of `meshes` in ffr.json for a SolvedMesh. Also prints its FFR and estimated error."""
         value, estimate, name = self.ffr_at_probes(solved.sampler)[0], solved.estimate, pathlib.Path(solved.path).name
         error = f", error {estimate['ffr']:.4f}" if estimate else ""
         print(f"{solved.path}: FFR {value:.4f}{error}", file=sys.stderr, flush=True)
@@ -165,9 +166,8 @@ class MeshSearch:
 def _finer_is_better(finer, coarser):
     """Whether the flow on the finer mesh is the better answer (both SolvedMesh).
 
-    It is if it has no artificial viscosity, or if its estimated error is not larger. Without artificial viscosity the
-    estimates are not compared: that of the finer mesh may be larger only because it includes the change between both
-    meshes.
+    Without artificial viscosity it is. Its estimate may then be the larger one, but only because it includes the change
+    of FFR between the two meshes. With artificial viscosity it is better if its estimated error is not larger.
     """
     return finer.status == CONVERGED or _ffr_error(finer) <= _ffr_error(coarser)
 

@@ -1,4 +1,4 @@
-"""Is the steady flow the mean of the flow in time? An audit of an answer of `flow solve`, apart from the solve itself.
+"""Is the steady flow the mean of the flow in time? `flow audit` answers this for the flow that `flow solve` would find.
 
 The flow is marched in time (solvers.marching) from the steady flow, without artificial viscosity. The time unit is D/U
 at the probe `distal`: the vessel's diameter over its mean velocity. The start-up is cut off where the standard error of
@@ -18,13 +18,13 @@ from flow.physics import ffr
 from flow.solvers import marching
 
 STEP_ERROR = 3e-3  # wanted error of one step, over the root mean square of the velocity
-FIRST_STEP, SHORTEST_STEP = 1e-4, 1e-7  # s: length of the first step, and least length of any step
+FIRST_STEP, SHORTEST_STEP = 1e-4, 1e-7  # s: the first step, and the shortest that is tried
 LONGEST_STEP = 0.1  # longest step in time units D/U
-SMALLEST_CHANGE, LARGEST_CHANGE = 0.4, 1.6  # limits of the length of a step over that of the step before
-# The length changes only by factors outside these, as each change costs a factorization.
+SMALLEST_CHANGE, LARGEST_CHANGE = 0.4, 1.6  # limits of a step's length over the length of the step before
+# The length is kept if the wanted factor lies between these, as each change costs a factorization.
 NEGLIGIBLE_CHANGE = (0.8, 1.25)
 SAMPLES_PER_UNIT = 10  # number of evenly spaced samples of the series in a time unit
-BATCHES = 8  # number of batches
+BATCHES = 8  # number of batches into which the series is divided after the start-up
 CONFIDENCE = 0.95  # probability that the interval given for a mean holds the true mean
 
 
@@ -67,10 +67,9 @@ def march(problem, read_ffr, unit_s, units, most_steps):
 
 
 def _march_adaptively(stepper, longest_step, most_steps):
-    """Makes up to `most_steps` steps with a marching.Stepper and yields the length of each in s, at most
-    `longest_step`.
+    """Makes up to `most_steps` steps with a marching.Stepper and yields the length of each in s.
 
-    The lengths are chosen for an error near STEP_ERROR.
+    The lengths are chosen for an error near STEP_ERROR, and are at most `longest_step` in s.
     """
     dt, problem = min(FIRST_STEP, longest_step), stepper.problem
     while stepper.steps < most_steps:
@@ -93,7 +92,7 @@ def _march_adaptively(stepper, longest_step, most_steps):
 def start_up_samples(values):
     """Number of samples at the start of a series `values` (n,) that MSER cuts off.
 
-    It is the number at which the variance of the rest over its length is least. It is at most half the series, since
+    With this number cut off, the variance of the rest over its length is least. It is at most half the series, since
     the variance of few samples is often small by chance.
     """
     values = values - values.mean()  # limits rounding errors in the difference of squares below
@@ -104,7 +103,7 @@ def start_up_samples(values):
 
 
 def batch_means(values):
-    """(mean, half width of its interval of CONFIDENCE) of a series (n,), by the means of BATCHES batches."""
+    """(mean, half width of its CONFIDENCE interval) of a series (n,), from the means of BATCHES batches."""
     size = len(values) // BATCHES
     means = values[len(values) - BATCHES * size :].reshape(BATCHES, size).mean(axis=1)
     half = scipy.stats.t.ppf(0.5 + CONFIDENCE / 2, BATCHES - 1) * means.std(ddof=1) / np.sqrt(BATCHES)
@@ -114,10 +113,10 @@ def batch_means(values):
 def audit_document(table, unit_s, steady, tolerance):
     """Document of audit.json from the table of `march`.
 
-    unit_s: time unit; steady: FFR of the steady flow at the probes, `distal` first; tolerance: largest error of FFR.
-    `settled` in the document: whether the half width of the mean's interval is within the tolerance. In a flow still in
-    its start-up the means of the batches are far apart, so it is not. `agrees`: whether the steady FFR is within the
-    tolerance of every value in that interval; None where the march did not settle.
+    unit_s: time unit; steady: FFR of the steady flow at the probes, `distal` first; tolerance: largest accepted
+    difference of FFR. `settled` in the document: whether the half width of the mean's interval is within the tolerance.
+    A flow still in its start-up has not settled, since the means of its batches are far apart. `agrees`: whether the
+    steady FFR is within the tolerance of every value in that interval; None where the march did not settle.
     """
     times = table["time_s"].to_numpy()
     even_times = np.linspace(0.0, times[-1], max(int(SAMPLES_PER_UNIT * times[-1] / unit_s), 2 * BATCHES) + 1)[1:]
@@ -151,9 +150,9 @@ def audit_document(table, unit_s, steady, tolerance):
 
 
 def audit_answer(solved, case):
-    """(document of audit.json, table of `march`) for a solvers.solved_mesh.SolvedMesh. The march changes its state.
+    """(document of audit.json, table of `march`) for a solvers.solved_mesh.SolvedMesh.
 
-    case: reduced.extended.ExtendedLumen.
+    The march changes the flow of `solved`. case: reduced.extended.ExtendedLumen.
     """
 
     def read_ffr(sampler):

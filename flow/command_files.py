@@ -1,6 +1,7 @@
 """The files that each command reads and writes.
 
-arguments are always the parsed arguments of the command. Output of an earlier run is removed before the input is read.
+`arguments` are always the parsed arguments of the command. Output of an earlier run is removed before the input is
+read, so that no old output is left if the command fails.
 """
 
 import pathlib
@@ -9,7 +10,7 @@ from common.errors import InputError
 from flow import output
 from flow.inputs.lumen_summary import ANATOMY_STEP_FILES
 
-# The files that each command writes, and how the names that --out and --coarse give to them must end.
+# {command: (function that lists the files it writes, ending that the names given by --out and --coarse must have)}
 WRITTEN = {
     "boundary": (lambda arguments: [arguments.out], ""),
     "mesh": (lambda arguments: [arguments.out, *arguments.coarse, mesh_report_path(arguments)], ".msh"),
@@ -22,7 +23,7 @@ WRITTEN = {
 def remove_old_output(arguments):
     """Removes the files that an earlier run with the same outputs wrote (flow.output).
 
-    Raises InputError for an output that would replace an input or another output, or has not the ending of its kind.
+    Raises InputError for an output that would replace an input or another output, or whose name has the wrong ending.
     """
     outputs = ("out", "coarse", "json") if arguments.command == "mesh" else ("out",)
     files_written, ending = WRITTEN[arguments.command]
@@ -34,13 +35,13 @@ def remove_old_output(arguments):
 
 
 def _files_read(given):
-    """Paths of the files that a command may read, whether they are there or not.
+    """Paths of the files that a command may read, whether they exist or not.
 
-    given: {name: value} of its arguments other than those of its outputs.
+    given: {name: value} of the command's arguments, without those that name outputs.
     """
     values = [text for value in given.values() for text in (value if isinstance(value, list) else [value])]
     texts = [text for text in values if isinstance(text, str)]
-    texts += [text.partition("=")[2] for text in texts if "=" in text]  # NAME=FOLDER
+    texts += [text.partition("=")[2] for text in texts if "=" in text]  # the folder of NAME=FOLDER in `flow rank`
     paths = [pathlib.Path(text) for text in texts]
     in_folders = [path / name for path in paths for name in (*ANATOMY_STEP_FILES, *output.FILES)]
     reports = [path.with_suffix(".json") for path in paths if path.suffix == ".msh"]
@@ -68,7 +69,7 @@ def pair_with_rings(coarse, rings):
 def mesh_paths(arguments):
     """Paths of the meshes to solve on, the coarsest first. Raises InputError for a file that is missing.
 
-    Coarser meshes with an empty file are passed over: `flow mesh` has left them out.
+    Coarser meshes with an empty file are skipped: `flow mesh` has left them out.
     """
     for path in (arguments.mesh, *arguments.coarse):
         if not pathlib.Path(path).is_file():
@@ -77,7 +78,7 @@ def mesh_paths(arguments):
 
 
 def anatomy_and_sections(arguments):
-    """(anatomy.json, sections.csv) of `flow solve`: as given, else beside the centreline."""
+    """Paths (anatomy.json, sections.csv) for `flow solve`: those given, else those beside the centreline."""
     folder = pathlib.Path(arguments.centreline).parent
     return arguments.anatomy or folder / "anatomy.json", arguments.sections or folder / "sections.csv"
 

@@ -16,10 +16,10 @@ FILES = ("ffr.json", "pullback.csv", "solution.vtu")
 
 
 def remove_old_output(files, inputs):
-    """Removes the output `files` of an earlier run. If this run is refused, they would be taken for its output.
+    """Removes the output `files` of an earlier run, which would be taken for output of this run if it is refused.
 
     inputs: paths of the files that the command reads. Raises InputError, and removes nothing, if one of them is among
-    `files`, if two of `files` are the same, or if they cannot be written.
+    `files`, if two of `files` are the same, or if `files` cannot be written.
     """
     resolved = [path.resolve() for path in files]
     for k, path in enumerate(resolved):
@@ -48,7 +48,7 @@ def print_warnings(warnings):
 def write_vtu(path, points, cells, fields):
     """Writes a mesh and fields at its nodes to a .vtu file, with coordinates in mm.
 
-    points (n, 3) in m, cells (t, 10) as geometry.tet10, fields {name: values (n,) or (n, 3)}.
+    points (n, 3) in m, cells (t, 10) ordered as in geometry.tet10, fields {name: values (n,) or (n, 3)}.
     """
     grid = vtk.vtkUnstructuredGrid()
     vtk_points = vtk.vtkPoints()

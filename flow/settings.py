@@ -62,9 +62,10 @@ def check_unknown_arguments(command, words):
 
 
 def from_arguments(arguments):
-    """Namespace of all settings, by the settings file and the options in parsed arguments, else their defaults.
+    """Namespace of all settings: those given as options, else those of the settings file, else the defaults.
 
-    Raises InputError for a value that is not allowed, or an option that has no effect.
+    arguments: parsed arguments of the command. Raises InputError for a value that is not allowed, or an option that has
+    no effect.
     """
     path = getattr(arguments, "settings", None)
     values = {}

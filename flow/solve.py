@@ -89,7 +89,7 @@ def summary_line(answer):
 
 
 def model_difference_warnings(models):
-    """[warning] if the FFR of the models differ by more than LARGE_DIFFERENCE. models: entry of ffr.json."""
+    """[warning] if the FFRs of the models differ by more than LARGE_DIFFERENCE. models: entry `models` of ffr.json."""
     found = {name: entry["ffr"] for name, entry in models.items() if entry["ffr"] is not None}
     if max(found.values()) - min(found.values()) <= LARGE_DIFFERENCE:
         return []

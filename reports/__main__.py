@@ -201,7 +201,7 @@ def parser():
         ("cohort", "one row a case -> cohort.csv"),
     ):
         command = commands.add_parser(name, help=text)
-        count = "*" if name == "agreement" else "+"  # agreement also makes half_maximum.csv: no files without a CT
+        count = "*" if name == "agreement" else "+"  # agreement also makes half_maximum.csv: none without a CT
         command.add_argument("--metrics", required=True, nargs=count, type=path, help="metrics.json of each case")
         command.add_argument("--out", required=True, type=path, help="the CSV file")
         command.set_defaults(run=run_table)
@@ -310,7 +310,7 @@ def parser():
 
 @guarded
 def main(arguments=None):
-    """Runs one command; exit codes as in docs/design.md."""
+    """Runs one command. docs/design.md lists the exit codes."""
     args = parser().parse_args(arguments)
     args.run(args)
 

@@ -56,7 +56,7 @@ if [ -f "${NODE_EXTRA_CA_CERTS:-}" ]; then
   cp "$NODE_EXTRA_CA_CERTS" "$root$extra"
 fi
 
-# A mount namespace of its own: /dev has MPI's shared memory, /proc is that of the new processes alone.
+# The command gets its own mount namespace. It needs /dev for MPI's shared memory. /proc shows its own processes alone.
 export ROOT="$root" COMMAND="$command" EXTRA="$extra"
 export CORES=${CORES:-$(nproc)} OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}
 exec unshare --mount --pid --fork --kill-child bash -euc '

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the Debian packages of setup/packages.txt, or of another list beside it, that are missing. Works as root and
-# with sudo; does nothing, in well under a second, where all are there.
+# Installs the missing Debian packages of setup/packages.txt, or of another list beside it. Works as root and with sudo.
+# If no package is missing, it takes well under a second.
 # Usage: install.sh [LIST]
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Formatting and static checks of everything under version control. Shows every complaint, then fails if there was one.
+# Checks format and code of everything under version control. Shows all complaints, then fails if there was one.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 failed=0
@@ -14,7 +14,7 @@ check() { # name, command...
   fi
 }
 
-# The one exception: rules name no conda environment, since setup/packages.txt says which Debian packages they run on.
+# One complaint is ignored: rules name no conda environment, since they run on the packages of setup/packages.txt.
 lint_workflow() {
   local complaints
   complaints=$(/usr/bin/snakemake --lint 2>&1) && return 0

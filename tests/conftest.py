@@ -1,4 +1,4 @@
-"""What all tests share: the repository's root, the shared data, the built programs, and running a part's command."""
+"""Fixtures for all tests: the repository's root, the public data, the built programs, and a part's command."""
 
 import os
 import pathlib
@@ -18,7 +18,7 @@ def repo_root():
 
 @pytest.fixture(scope="session")
 def shared_data():
-    """Folder of the public test data; the test is skipped where it is absent."""
+    """Folder of the public test data. A test that needs it is skipped where it is absent."""
     candidates = [os.environ.get("VCI_DATA_DIR"), ROOT / "data", ROOT.parent / "shared" / "data"]
     for folder in candidates:
         if folder and (pathlib.Path(folder) / "dfemtoolz_case4_artery.stl").is_file():
@@ -28,7 +28,7 @@ def shared_data():
 
 @pytest.fixture(scope="session")
 def binary():
-    """binary(name) -> path of a built program; the test is skipped where it is not built."""
+    """binary(name) -> path of a built program. The test is skipped if it is not built."""
     folder = pathlib.Path(os.environ.get("VCI_BUILD_DIR", ROOT / "build"))
 
     def find(name):

@@ -10,7 +10,7 @@ from whatif.case import Case
 
 
 def case_from_options(options):
-    """The whatif.case.Case that the command-line options name."""
+    """The whatif.case.Case that the command-line options describe."""
     return Case(options.case_dir, options.programs, options.edge, options.spacing)
 
 

@@ -5,7 +5,7 @@ import copy
 from anatomy.planning import catalogue
 from common.errors import InputError
 
-EXTRA_PRESSURE_BAR = 4.0  # added to every inflation from the first stent on, but not beyond the rated burst pressure
+EXTRA_PRESSURE_BAR = 4.0  # bar added to every inflation from the first stent on, up to the rated burst pressure
 PREDILATATION, POSTDILATATION, STENT = "predilatation", "postdilatation", "stent"
 PREDILATATION_UNDERSIZE_MM = 0.5  # mm by which an added predilatation balloon is thinner than the stent
 BALLOON_FAMILIES = {
@@ -42,8 +42,8 @@ def _case_device(use, devices):
 def all_alternatives(steps, families):
     """{name: (description, steps, "")} of every alternative plan, in a fixed order.
 
-    If an alternative is not possible, its steps are None and the last entry says why. steps: the given plan's steps, as
-    `case_steps` returns them; families: {name: device family}.
+    If an alternative is not possible, its steps are None, and the last entry says why instead of "". steps: the given
+    plan's steps, as `case_steps` returns them; families: {name: device family}.
     """
     alternatives = {
         "shorter": ("stent one length shorter", lambda: _change_stent_lengths(steps, families, -1)),
@@ -71,7 +71,7 @@ def _first_stent_step(steps):
 
 
 def _change_stent_lengths(steps, families, entries):
-    """The steps with each stent's length moved by `entries` in its family's list of lengths."""
+    """The steps with each stent's length moved by `entries` places in its family's list of lengths."""
     first, changed = _first_stent_step(steps), copy.deepcopy(steps)
     for step in changed[first:]:
         for use in step["devices"] if step["action"] == STENT else ():
@@ -113,7 +113,7 @@ def _raise_pressures(steps, families):
 
 
 def _toggle_action(steps, families, action):
-    """(description, function that makes the steps) of the plan without its steps of kind `action`.
+    """(description, function that makes the steps) of an alternative without the plan's steps of kind `action`.
 
     If the plan has no such step, the alternative adds one at each stent.
     """
@@ -130,9 +130,10 @@ def _without_action(steps, action):
 
 
 def _add_balloons(steps, families, action):
-    """The steps with a balloon of `action` before or after each stent, at nominal pressure.
+    """The steps with a balloon of kind `action` before or after each stent, at nominal pressure.
 
-    It has the stent's size; before the stent it is PREDILATATION_UNDERSIZE_MM mm thinner.
+    It has the stent's size, or the next smaller one of its family. A balloon before the stent is thinner by
+    PREDILATATION_UNDERSIZE_MM or more.
     """
     _first_stent_step(steps)
     family, changed = BALLOON_FAMILIES[action], []

@@ -1,11 +1,12 @@
 """FFR of a lumen by the 1D network, calibrated on the 3D answers of the same patient before and after the procedure.
 
 A loss is 1 - FFR at the probe `distal`. The network leaves out bends and developing velocity profiles, so its loss in a
-lumen is converted to a loss of the 3D model. For losses up to that after the planned procedure the two are
-proportional. From there to the loss before the procedure the conversion is interpolated linearly. For larger losses it
-is proportional again. This works because the network's error is similar in similar lumens.
+lumen is converted to a loss of the 3D model. Two points are known: the losses of both models after the planned
+procedure, and before it. Up to the first point the two losses are taken as proportional. From there to the second point
+the conversion is interpolated linearly. Beyond it they are proportional again. This works because the network's error
+is similar in similar lumens.
 
-The error is the largest difference to the 3D answers in the patient's other lumens after a procedure, which the
+The error is the largest difference from the 3D answers in the patient's other lumens after a procedure, which the
 calibration does not use. It is at least the largest error estimate of all 3D answers.
 """
 
@@ -23,7 +24,7 @@ PROBE = "distal"
 
 
 def network_loss(lumen, boundary, expansion_loss):
-    """1 - FFR at the probe `distal` by the network. lumen: (anatomy.json, sections); boundary: its JSON."""
+    """1 - FFR at the probe `distal` by the network. lumen: as from Case.lumen; boundary: content of boundary.json."""
     anatomy, sections = lumen
     probe = next(one for one in boundary["probes"] if one["name"] == PROBE)
     s_mm = branch_axis(sections, probe["branch"]).project(np.array(probe["point_mm"]))[0]
@@ -32,7 +33,7 @@ def network_loss(lumen, boundary, expansion_loss):
 
 
 def branch_axis(sections, branch):
-    """The flow.geometry.centreline.Branch through a branch's sections."""
+    """The flow.geometry.centreline.Branch through the centres of a branch's sections, with their radii."""
     rows = sections[sections["branch"] == branch].sort_values("s_mm")
     points = rows[["x_mm", "y_mm", "z_mm"]].to_numpy(float)
     return Branch(branch, 0, points, rows["s_mm"].to_numpy(float), np.sqrt(rows["area_mm2"].to_numpy(float) / np.pi))
@@ -40,7 +41,7 @@ def branch_axis(sections, branch):
 
 @dataclasses.dataclass(frozen=True)
 class Calibration:
-    """Points for converting a loss of the network to a loss of the 3D model, and the error of the FFR so found.
+    """Points for converting a loss of the network to a loss of the 3D model, and the error of the resulting FFR.
 
     network_losses, losses_3d: losses (1 - FFR) of the network and of the 3D model in the same lumens, from 0 upwards.
     """
@@ -61,7 +62,7 @@ def calibration_points(planned, before):
     """(network_losses, losses_3d) of a Calibration.
 
     planned, before: (loss of the network, loss of the 3D model) after the planned procedure and before it. A point is
-    left out if one of its losses does not exceed that of the last point: a lesion without pressure loss calibrates
+    left out unless both of its losses exceed those of the point before: a lesion without pressure loss calibrates
     nothing. Raises InputError if neither point is left.
     """
     points = [(0.0, 0.0)]
@@ -74,11 +75,10 @@ def calibration_points(planned, before):
 
 
 def calibrate(case, states=VALIDATION_STATES):
-    """Calibration of a Case on its states `pre` and `vci`. Its error is that in further `states`.
+    """Calibration of a Case on its states `pre` and `vci`, with the error found in further `states`.
 
-    Only `states` that are also in VALIDATION_STATES count.
-
-    Raises InputError if a file is missing, or if neither `pre` nor `vci` has a pressure loss.
+    Only `states` that are also in VALIDATION_STATES count. Raises InputError if a file is missing, or if neither `pre`
+    nor `vci` has a pressure loss.
     """
     wanted = [BEFORE, PLANNED, *(state for state in states if state in VALIDATION_STATES)]
     answers = {state: case.flow_result(state) for state in wanted}

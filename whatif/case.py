@@ -1,4 +1,4 @@
-"""A finished case whose procedure or inputs are varied: its files, read once."""
+"""A finished case whose procedure or inputs are varied. Its files are read once."""
 
 import dataclasses
 import functools
@@ -15,7 +15,10 @@ BEFORE, PLANNED = "pre", "vci"
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    """folder: results/cases/<case>; programs: folder of `vci` and `lumen`; edge_mm, spacing_mm: for `lumen process`."""
+    """A case in the folder results/cases/<case>. programs: folder of the programs `vci` and `lumen`.
+
+    edge_mm, spacing_mm: edge length of surfaces and distance of sections, as options of `lumen process`.
+    """
 
     folder: pathlib.Path
     programs: pathlib.Path = pathlib.Path("build")
@@ -27,17 +30,17 @@ class Case:
         return self.folder / "anatomy" if state == BEFORE else self.folder / state / "anatomy"
 
     def json(self, name):
-        """The document of a JSON file in the folder. Raises InputError."""
+        """The document of a JSON file, named relative to the case's folder. Raises InputError."""
         return json_reader.read(self.folder / name, "the study's file").data
 
     @functools.cached_property
     def scene(self):
-        """scene.json of the planned procedure."""
+        """The content of scene.json of the planned procedure."""
         return self.json("vci/scene.json")
 
     @functools.cached_property
     def boundary(self):
-        """boundary.json, checked."""
+        """The content of boundary.json, checked."""
         path = self.folder / "flow" / "boundary.json"
         document = self.json("flow/boundary.json")
         boundary.check(document, path)
@@ -45,7 +48,7 @@ class Case:
 
     @functools.cached_property
     def flow_settings(self):
-        """The settings of the section `flow`."""
+        """The case's settings of the flow."""
         return flow_settings.make(**self.json("settings/flow.json"))
 
     @functools.cached_property
@@ -55,16 +58,16 @@ class Case:
 
     @functools.cached_property
     def anatomy_before(self):
-        """anatomy.json before the procedure."""
+        """The content of anatomy.json before the procedure."""
         return lumen_summary.read(self.anatomy() / "anatomy.json", "ends", "branches")
 
     def lumen(self, anatomy_folder):
-        """(anatomy.json, sections) of a lumen, for the 1D network. Raises InputError."""
+        """(content of anatomy.json, table of sections.csv) of a lumen, for the 1D network. Raises InputError."""
         summary = lumen_summary.read(anatomy_folder / "anatomy.json", "branches")
         return summary, network.read_sections(anatomy_folder / "sections.csv")
 
     def flow_result(self, state):
-        """ffr.json of a state. Raises InputError."""
+        """The content of ffr.json of a state. Raises InputError."""
         return self.json(f"flow/{state}/ffr.json")
 
 

@@ -33,8 +33,8 @@ def run_program(command):
 def deploy_and_measure(case, scene, folder):
     """Deploys a scene's procedure in the case's lumen before PCI, and measures the lumen after it.
 
-    Returns (content of deployment.json, folder of the new lumen's anatomy). folder: created here, for all files of the
-    programs. Raises ProcedureFailed.
+    folder: made here, for all files that the programs write. Returns (content of deployment.json, folder of the new
+    lumen's anatomy). Raises ProcedureFailed.
     """
     resolution_options = ["--edge", case.edge_mm, "--spacing", case.spacing_mm]
     folder.mkdir(parents=True, exist_ok=True)

@@ -2,8 +2,8 @@
 
 Ventricular mass varies by a fifth and hyperaemia by one standard deviation, as in flow.inputs.hyperaemia. A blood
 pressure by cuff may be wrong by 10 mmHg. The exponent by which flow is split goes from 2 (by area) to 3 (Murray's law).
-A tenth of an outlet's diameter is about a voxel of CT. If the flow was measured, its error of about a tenth takes the
-place of mass, hyperaemia and territory.
+An outlet's diameter varies by a tenth, about a voxel of CT. If the flow was measured, it varies by a tenth, and mass,
+hyperaemia and territory do not count.
 """
 
 import copy
@@ -18,7 +18,10 @@ PER_CENT = 100
 
 @dataclasses.dataclass(frozen=True)
 class Input:
-    """low, planned, high: values in `unit`. scale: `linear` or `log`, the scale on which samples are uniform."""
+    """An uncertain input. low, planned, high: its values in `unit`; label: its name in words.
+
+    scale: `linear` or `log`, the scale on which samples are uniform.
+    """
 
     name: str
     label: str
@@ -56,9 +59,9 @@ def uncertain_inputs(patient, settings, outlets):
 
 
 def _territory_input(patient, settings):
-    """[Input] of the change of flow, in per cent, by the territory that the vessel may feed; or [].
+    """[Input] of the change of flow in per cent, by the territory that the vessel may feed; or [].
 
-    It goes from the smallest to the largest plausible flow.
+    It goes from the smallest to the largest plausible change.
     """
     changes = [
         PER_CENT * (entry["factor"] - 1)
@@ -73,7 +76,8 @@ def _territory_input(patient, settings):
 def boundary_with_inputs(case, patient, measured, values):
     """The content of boundary.json of a case (whatif.case.Case) with some inputs at other values.
 
-    values: {name of an Input: value in its unit}; inputs that are not named stay as planned.
+    patient, measured: as from whatif.case.read_patient. values: {name of an Input: value in its unit}; inputs that are
+    not named stay as planned.
     """
     patient, settings, anatomy = (
         copy.deepcopy(patient),

@@ -12,8 +12,8 @@ def ffr_of_lumens(case, names, states):
     """The content of ffr.json for some lumens of a case.
 
     names: the lumens' folders, relative to the case's folder, each with an `anatomy/`. states: states with a 3D answer,
-    in which the error is measured. `at` of each lumen says which part of the calibration was used: below the loss after
-    the planned procedure, from there to the loss before it, or beyond. Raises InputError.
+    in which the error is measured. The entry `at` of each lumen says where its loss lies in the calibration: up to the
+    loss after the planned procedure, from there to the loss before it, or beyond. Raises InputError.
     """
     if PLANNED not in states:
         raise InputError("no planned procedure to calibrate on", "--states", " ".join(states), f"name {PLANNED} too")

@@ -23,7 +23,7 @@ READOUTS = {
     "expansion_index": "expansion_index",
     "malapposition_mm": "maximal_malapposition_mm",
 }
-STRETCH_PERCENTILE = 99  # of the wall's points; the maximum may come from a single distorted triangle
+STRETCH_PERCENTILE = 99  # percentile over the wall's points; the maximum may come from a single distorted triangle
 COLUMNS = ["rank", "plan", "change", "ffr", "ffr_error", "as_good_as_best", "ffr_3d", *READOUTS, "wall_stretch"]
 COLUMNS += ["warnings", "procedure", "status", "lumen_sha256"]
 DEPLOYED = "deployed"
@@ -32,9 +32,9 @@ DEPLOYED = "deployed"
 def rank_plans(case, devices_folder, states):
     """(DataFrame of ranking.csv, {plan: steps as a case file lists them}) of a case (whatif.case.Case).
 
-    states: states with a 3D answer, which calibrate the network and give its error. First come the plans whose FFR does
-    not differ from the best by more than the errors, the largest stent area first. Then come the other plans by FFR.
-    Last come plans without an answer; their `status` says why.
+    states: states with a 3D answer, which calibrate the network and give its error. First come the plans as good as the
+    best (`sort_by_rank`), the largest stent area first. Then come the other plans by FFR. Last come plans without an
+    answer; their `status` says why.
     """
     families, calibration = config.load_devices(devices_folder), calibrated.calibrate(case, states)
     steps = alternatives.case_steps(case.scene)
@@ -52,9 +52,9 @@ def rank_plans(case, devices_folder, states):
 
 
 def sort_by_rank(table, error):
-    """The rows of ranking.csv sorted by rank, with their columns rank, ffr_error and as_good_as_best.
+    """The rows of ranking.csv sorted by rank, with the columns rank, ffr_error and as_good_as_best.
 
-    error: error of each FFR. Two plans differ if their FFRs differ by more than both errors together.
+    error: error of each FFR. A plan is as good as the best unless their FFRs differ by more than both errors together.
     """
     table = table.assign(ffr_error=np.where(table["ffr"].notna(), error, np.nan))
     table["as_good_as_best"] = table["ffr"].max() - table["ffr"] <= 2 * error
@@ -135,7 +135,7 @@ def deployment_columns(case, calibration, deployment, lumen_file, anatomy, steps
 
 
 def wall_stretch(lumen_file):
-    """The 99th percentile of the wall's largest principal stretch where the wall was moved."""
+    """The 99th percentile of the wall's largest principal stretch, over the points where the wall was moved."""
     poly = vtp.read(lumen_file, "made by `vci deploy`")
     stretch = vtk_to_numpy(poly.GetPointData().GetArray("wall_stretch"))
     moved = np.abs(vtk_to_numpy(poly.GetPointData().GetArray("displacement_mm"))).max(axis=-1) > 0

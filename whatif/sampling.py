@@ -5,7 +5,7 @@ import pandas as pd
 from scipy.stats import qmc
 
 COLUMNS = ["state", "quantity", "input", "words", "unit", "low", "planned", "high", "at_low", "at_planned", "at_high"]
-INTERVAL_PERCENTILES = (2.5, 97.5)  # percentiles of the samples' answers, the ends of an interval
+INTERVAL_PERCENTILES = (2.5, 97.5)  # percentiles of the samples' answers at the ends of an interval
 INTERVAL_COLUMNS = ["state", "quantity", "planned", "lower", "upper", "samples", "left_out", "inputs"]
 SEED = 24
 

@@ -1,9 +1,9 @@
 """The radius of a lumen found in an image, varied by the segmentation's error.
 
-The study measures the error of its own segmentation, found minus true radius, in sections of CT images of known lumens
-without a stent. data_synthetic/measured.md has it under "Lumens found in CT". So the true radius is the found one minus
-the error. All sections get the same error, since this changes the pressure loss more than any other errors of this
-size.
+The study measures the error of its own segmentation, which is found minus true radius. It does so in sections of CT
+images of known lumens without a stent (data_synthetic/measured.md, "Lumens found in CT"). So the true radius is the
+found one minus the error. All sections get the same error, since this changes the pressure loss more than any other
+errors of this size.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ RADIUS_INPUT = "lumen_radius"
 
 
 def radius_input():
-    """The Input "true minus found radius" in mm, from one standard deviation below its mean to one above."""
+    """The Input "true minus found radius" in mm, from one standard deviation below the mean to one above it."""
     return Input(
         RADIUS_INPUT,
         "radius of the lumen found in CT, 1 SD",
@@ -42,7 +42,7 @@ def stented_spans(scene):
 def with_radius_change(lumen, change_mm, unchanged_spans=()):
     """(anatomy, sections) of a lumen whose radii are all `change_mm` larger, except in the stretches `unchanged_spans`.
 
-    lumen: (anatomy.json, sections); unchanged_spans: as from `stented_spans`. Raises InputError if a radius would not
+    lumen: (anatomy.json, sections); unchanged_spans: result of `stented_spans`. Raises InputError if a radius would not
     stay positive.
     """
     anatomy, sections = lumen

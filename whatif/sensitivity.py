@@ -1,4 +1,4 @@
-"""How much FFR and areas depend on uncertain inputs: of the flow alone, and of flow and procedure together."""
+"""How much FFR and areas depend on uncertain inputs: on those of the flow alone, and on those of flow and procedure."""
 
 import copy
 import pathlib
@@ -20,7 +20,7 @@ DEPLOYMENT_INPUTS = (
 
 
 class VariedFlow:
-    """FFR with varied inputs of the flow, by the 1D network. Its losses are scaled to the 3D answer of each state."""
+    """FFR with varied inputs of the flow, by the 1D network, whose losses are scaled to each state's 3D answer."""
 
     def __init__(self, case, case_file):
         self.case = case
@@ -34,7 +34,7 @@ class VariedFlow:
     def loss(self, state, values, procedure=None):
         """The network's loss (1 - FFR) in a state's lumen, with inputs of the flow at `values`.
 
-        procedure: (scene, lumen) of another procedure, which takes the place of the state's.
+        procedure: (scene, lumen) of another procedure, in place of the state's own.
         """
         document = boundary_with_inputs(self.case, self.patient, self.measured, values)
         # the probes stay at the study's places, whatever the inputs are
@@ -96,9 +96,9 @@ class VariedDeployments:
 
 
 def report_no_answer(values, reason):
-    """Empty answers {} for inputs `values` that the engine or the flow refuses; prints the reason.
+    """Prints why the engine or the flow refuses the inputs `values`, and returns empty answers {}.
 
-    The planned case (no values) must have answers: raises ComputationError.
+    Without values it is the planned case, which must have answers: raises ComputationError.
     """
     if not values:
         raise ComputationError("no answer as planned", "sensitivity", reason, "see the study's own answers")
@@ -109,7 +109,8 @@ def report_no_answer(values, reason):
 def scene_with_inputs(scene, values):
     """The content of scene.json with inputs of DEPLOYMENT_INPUTS at `values`.
 
-    Pressures stay within the balloon's chart and 1.5 times its rated burst pressure, which the engine accepts.
+    The engine accepts pressures up to the end of the balloon's chart and up to 1.5 times its rated burst pressure. So a
+    pressure is raised no further than this.
     """
     scene = copy.deepcopy(scene)
     for step in scene["procedure"]:
@@ -131,9 +132,9 @@ def scene_with_inputs(scene, values):
 
 
 def flow_sensitivity(case, case_file):
-    """Two DataFrames (see `sampling`), tornado and intervals: FFR in both states over the inputs of the flow.
+    """Two DataFrames (see `sampling`): FFR over the inputs of the flow, before and after the planned procedure.
 
-    The states are before and after the planned procedure.
+    The first, the tornado, varies one input at a time. The second has the intervals with all inputs varied at once.
     """
     flow = VariedFlow(case, case_file)
     table = sampling.one_at_a_time(flow.inputs, flow.ffr_of_states)
@@ -141,9 +142,10 @@ def flow_sensitivity(case, case_file):
 
 
 def deployment_sensitivity(case, case_file):
-    """Two DataFrames (see `sampling`), tornado and intervals: FFR and stent area after the procedure.
+    """Two DataFrames (see `sampling`): FFR and stent area after the procedure, over uncertain inputs.
 
-    The first varies one input of the deployment at a time, the second all inputs of deployment and flow at once.
+    The first, the tornado, varies one input of the deployment at a time. The second has the intervals with all inputs
+    of deployment and flow varied at once.
     """
     flow = VariedFlow(case, case_file)
     with tempfile.TemporaryDirectory(dir=case.folder, prefix=".sensitivity-") as folder:

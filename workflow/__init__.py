@@ -1,3 +1,3 @@
 """Code behind the rules of the Snakefile: the checked configuration, each rule's inputs, and checks of the results."""
 
-import common  # noqa: F401  chooses functions that round alike on every processor, before numpy is loaded
+import common  # noqa: F401  before numpy is loaded: makes it round alike on every processor

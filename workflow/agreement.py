@@ -27,7 +27,7 @@ QUANTITY_NAMES = {
 def write_agreement(manifest, study, out):
     """Writes the page `out` of the comparison; returns the number of numbers compared.
 
-    manifest: file config/manifests/<cohort>.json, whose name is that of the cohort; study: folder of results. Raises
+    manifest: file config/manifests/<cohort>.json, which gives the cohort's name; study: folder of results. Raises
     InputError if a file cannot be read. Raises ComputationError, after writing the page, if a number differs by more
     than is allowed.
     """
@@ -80,7 +80,7 @@ def compare_numbers(expected, found):
 
 
 def markdown_page(cohort, expected, found, rows):
-    """The comparison as Markdown. cohort: its name; expected, found, rows: arguments, result of `compare_numbers`."""
+    """The comparison as Markdown. expected, found: documents of both manifests. rows: result of `compare_numbers`."""
     shipped, present = expected["made_on"], found["made_on"]
     shipped_system, this_system = _short_system_name(shipped["system"]), _short_system_name(present["system"])
     deviating = [row for row in rows if not row["within"]]
@@ -167,7 +167,7 @@ def _largest_difference_row(rows):
 
 
 def _identical_file_rows(expected, found):
-    """A table line for each kind of product: the number of files, and of those with the same bits."""
+    """A table line for each kind of product: the number of files, and how many of them have the same bits."""
     lines = []
     kinds = next(iter(expected["cases"].values()))["same"]
     for kind in kinds:

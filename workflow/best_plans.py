@@ -1,6 +1,6 @@
-"""Which plans of a finished study are worth a flow in three dimensions: the best of each case by the calibrated network.
+"""The plans of a finished study that are worth a flow in three dimensions: the best of each case.
 
-The study ranks all plans by the network alone, since a 3D flow takes as long as the flow of a state after PCI.
+The study ranks all plans by the calibrated 1D network alone, since a 3D flow of every plan would take too long.
 """
 
 import csv
@@ -14,7 +14,7 @@ PLANNED = "planned"  # the case's own plan; the study solves its flow as the sta
 def flows_of_best_plans(results=pathlib.Path("results"), count=2):
     """Files plans/<plan>/flow/ffr.json of the `count` best plans of each case, as strings, in order of case and rank.
 
-    results: root of the products of a study. The case's own plan is left out where it is among the best. Plans that the
+    results: root of the products of a study. The case's own plan is left out if it is among the best. Plans that the
     engine refused have no rank. Raises InputError if no case has a ranking.
     """
     rankings = sorted(pathlib.Path(results).glob("cases/*/plans/ranking.csv"))

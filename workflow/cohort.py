@@ -19,12 +19,12 @@ from data_synthetic import draw
 from workflow.failed import failed_steps
 
 SNAKEMAKE = "/usr/bin/snakemake"
-SHARD_SIZE = 100  # patients; Snakemake plans them in some 10 s, and an interrupted run loses little
+SHARD_SIZE = 100  # patients of a shard; Snakemake plans them in some 10 s, and an interrupted run loses little
 REDUCED_SETTINGS = {
     "flow": {"model": "axisymmetric"},
     "ct": {"enabled": False},
-}  # settings: the reduced flow model, no CT
-# Of files that are removed. The remaining files can make them again.
+}  # the reduced flow model, and no CT
+# Endings of the files that are removed from a finished patient. Snakemake can make them again from the others.
 PRUNED_SUFFIXES = (".msh", ".vtu", ".vtp", ".stl", ".png", ".gz")
 PROJECTED_COUNTS = (1000, 100_000)  # numbers of patients whose cost is projected
 COST_COLUMNS = ("shard", "patients", "finished", "wall_s", "cpu_s", "made_mb", "kept_mb")
@@ -33,9 +33,10 @@ COST_COLUMNS = ("shard", "patients", "finished", "wall_s", "cpu_s", "made_mb", "
 def draw_shards(count, seed, out, folder=pathlib.Path("config"), full=False):
     """Draws patients 1 to `count` of a seed into shards below `out`; returns [(shard's folder, [case names])].
 
-    Each shard is a configuration folder: study.yaml, devices, cases. full: keep the settings of `folder`/study.yaml,
-    else lay REDUCED_SETTINGS over them. Patient k of a seed is the same, and in the same shard, whatever the count. The
-    file of a patient drawn before is kept. Raises InputError for a count or seed out of range.
+    Each shard is a configuration folder: study.yaml, devices, cases. full: whether to keep all settings of
+    `folder`/study.yaml; otherwise REDUCED_SETTINGS replace some. Patient k of a seed is always the same, in the same
+    shard, whatever the count. The file of a patient drawn before is kept. Raises InputError for a count or seed out of
+    range.
     """
     draw.check(count, seed)
     out, folder = pathlib.Path(out), pathlib.Path(folder)
@@ -64,8 +65,8 @@ def run_shards(shards, cores, results=pathlib.Path("results"), dry_run=False, ke
     """Runs the shards one after the other; returns a row of costs for each, also added to the shard's cost.csv.
 
     A patient that fails does not stop the others. dry_run: plan only, as many shards at once as there are cores, and
-    write no cost.csv. keep_all: keep surfaces, meshes and fields too. A row's `computed` is False if Snakemake itself
-    failed first, as in a locked folder: no patient of the shard finished, and no step of one failed.
+    write no cost.csv. keep_all: keep surfaces, meshes and fields too. A row's `computed` is False if Snakemake failed
+    before any patient finished or had a step that failed, for example in a locked folder.
     """
     with concurrent.futures.ThreadPoolExecutor(cores if dry_run else 1) as pool:
         return list(pool.map(lambda shard: _run_shard(*shard, cores, pathlib.Path(results), dry_run, keep_all), shards))
@@ -76,7 +77,7 @@ def _run_shard(shard_folder, names, cores, results, dry_run, keep_all):
     targets = [f"{results}/cases/{name}/metrics.json" for name in names]
     command = [SNAKEMAKE, "--profile", "config/profiles/local", "--cores", str(cores), *targets]
     command += ["--config", f"folder={shard_folder}", "cohort=shard"] + ["--dry-run", "--quiet"] * dry_run
-    start, since = time.monotonic(), int(time.time())  # rounded down, since the time stamp of a file may lag behind
+    start, since = time.monotonic(), int(time.time())  # rounded down, since a file's time stamp may lag behind
     with open(shard_folder / "snakemake.log", "w") as log:
         process = subprocess.Popen(command, stdout=log, stderr=log)
         _, status, usage = os.wait4(process.pid, 0)
@@ -108,9 +109,8 @@ def _any_patient_ended(results, names, finished, since):
 def projected_costs(out, cores):
     """[{patients, core_hours, wall_hours, kept_gb}] for the finished patients and for PROJECTED_COUNTS.
 
-    The cost of a patient is the mean over the finished ones, from the shards' cost.csv.
-
-    wall_hours assumes that none of this machine's `cores` is ever idle. Empty if no patient is finished.
+    The cost of a patient is the mean over the finished ones, from the shards' cost.csv. wall_hours assumes that none of
+    this machine's `cores` is ever idle. The list is empty if no patient is finished.
     """
     tables = [
         list(csv.DictReader(file.open(newline=""))) for file in sorted(pathlib.Path(out).glob("shards/*/cost.csv"))
@@ -152,7 +152,7 @@ def _add_cost(path, row):
 
 
 def _write_if_changed(path, text):
-    """Writes a file only if its content changes, so that Snakemake does not run its steps again."""
+    """Writes a file only if its content changes, since a newer file makes Snakemake run steps again."""
     if not path.exists() or path.read_text() != text:
         with replacing(path) as partial:
             partial.write_text(text)

@@ -11,14 +11,14 @@ from data_synthetic import patient
 from flow.settings import check_meshes, check_switches
 
 CONTOUR_TABLES = ("lumen", "outer_wall", "calcium", "lipid", "branches", "landmarks")
-COARSE_MESHES = ("mesh_coarsest.msh", "mesh_coarse.msh")  # the flow's coarser meshes, in the order of `coarse_rings`
+COARSE_MESHES = ("mesh_coarsest.msh", "mesh_coarse.msh")  # in the order of the flow's setting `coarse_rings`
 CASE_NAME = "[a-z][a-z0-9_]*"
 
 
 class Configuration:
     """Study, device families and cases of a folder like config/; raises InputError for anything that is not allowed.
 
-    folder: holds study.yaml, devices/ and cases/. data_folder: where surfaces named data/... lie.
+    folder: holds study.yaml, devices/ and cases/. data_folder: holds the files that a case names data/...
     """
 
     def __init__(self, folder="config", data_folder=None):
@@ -47,11 +47,11 @@ class Configuration:
         return [name for name, case in self.cases.items() if key in case]
 
     def case_file(self, name):
-        """config/cases/<name>.yaml."""
+        """Path of a case's file, such as config/cases/<name>.yaml."""
         return self.folder / "cases" / f"{name}.yaml"
 
     def device_files(self, name):
-        """Files of the device families that a case's plan can use: its own, or all if a plan is to be proposed."""
+        """Files of the device families that a case's plan can use: those it names, or all if it is to be proposed."""
         steps = config.listed_steps(self.cases[name]["plan"])
         if not steps:
             families = set(self.devices)
@@ -76,7 +76,7 @@ class Configuration:
         return self._data_file(name, "lumen surface", f"{key}.path", self.cases[name][key]["path"])
 
     def cap_files(self, name, key="lumen"):
-        """The files of the ends' caps, the inlet's first; empty if the case gives none. Raises as `lumen_file`."""
+        """The files of the ends' caps, the inlet's first; empty if the case gives none. A missing one: InputError."""
         caps = self.cases[name].get(key, {}).get("caps")
         if not caps:
             return []
@@ -84,7 +84,7 @@ class Configuration:
         return found + [self._data_file(name, "cap", f"{key}.caps.outlets", path) for path in caps["outlets"]]
 
     def ct_files(self, name, key="lumen"):
-        """{volume, centreline: path} of the CT that a case gives as `lumen` or `post`; or {}."""
+        """{volume, centreline: path} of the CT that a case gives as `lumen` or `post`; {} if it gives no CT."""
         given = self.cases[name].get(key, {}).get("ct", {})
         entries = {"volume": "path", "centreline": "centreline"}
         return {
@@ -94,7 +94,7 @@ class Configuration:
         }
 
     def contour_files(self, name, key="lumen"):
-        """{table: file} of the contours that a case gives as `lumen` or `post`, and of their centreline; or {}."""
+        """{table: file} of the contours that a case gives as `lumen` or `post`, and of their centreline; {} if none."""
         given = self.cases[name].get(key, {}).get("contours", {})
         found = {
             table: self._data_file(name, "contour table", f"{key}.contours.{table}", given[table])
@@ -109,7 +109,7 @@ class Configuration:
     def _data_file(self, name, what, key, path):
         """The file that a path in a case's file means. For a missing file InputError says where to put it.
 
-        what: the file in words; key: key of the path in the case's file. Both are for the message.
+        what: the file in words. key: key of the path in the case's file. Both stand in the message.
         """
         given = pathlib.Path(path)
         file = self.data_folder / given.relative_to("data") if given.parts[0] == "data" else given
@@ -119,7 +119,10 @@ class Configuration:
         return str(file)
 
     def selected_cases(self, cohort, cases=None):
-        """Names of the cases to run: `cases` ("a b" or "a,b") if given, else the cohort's."""
+        """Names of the cases to run: `cases` ("a b" or "a,b") if given, else the cohort's.
+
+        Raises InputError for an unknown cohort or case, and for a case whose files are missing.
+        """
         cohorts = self.study["cohorts"]
         if cases:
             names = [name for name in re.split(r"[\s,]+", str(cases)) if name]
@@ -171,7 +174,7 @@ class Configuration:
             refuse("pressure_bar", "above the rated burst pressure", f"at most {limit} bar")
 
     def _check_settings(self, name):
-        """Checks the merged sections against the schemas, since a case may override one key of a pair.
+        """Checks each case's sections after merging, since a case may change one of two keys that must fit together.
 
         A section equal to a checked one is not checked again. In a cohort of drawn patients most are equal.
         """
@@ -192,7 +195,7 @@ class Configuration:
 
 
 def _case_name(file):
-    """The case's name, from its file's. Raises InputError for a name unfit for folders, cohorts or rules."""
+    """The case's name, from the name of its file. Raises InputError if folders, cohorts or rules cannot use it."""
     if not re.fullmatch(CASE_NAME, file.stem):
         remedy = "rename it: a small letter, then small letters, digits and underscores"
         raise InputError("name that a case cannot have", file, file.stem, remedy)

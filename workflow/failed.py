@@ -32,13 +32,13 @@ def failed_steps(results=pathlib.Path("results"), since=0.0):
 
 
 def error_message(text):
-    """The error in a log: this project's error message if there is one, else the last lines."""
+    """The error in a log: the last error message of this project if there is one, else the last lines."""
     begins = [one.start() for one in re.finditer(r"^error: ", text, re.M)]
     return text[begins[-1] :].strip() if begins else "\n".join(text.strip().splitlines()[-LAST_LINES:])
 
 
 def write_failed(out, results=pathlib.Path("results"), since=0.0):
-    """Writes {failed: failed_steps} to `out` if there are any, and returns them."""
+    """Writes {failed: result of failed_steps} to `out` if a step failed. Returns the failed steps."""
     found = failed_steps(results, since)
     if found:
         pathlib.Path(out).parent.mkdir(parents=True, exist_ok=True)
@@ -70,7 +70,7 @@ def cases_of_failed_arms(path):
 
 
 def _read_steps(path):
-    """[(case, step)] of a failed.json. Raises InputError."""
+    """[(case, step)] of a failed.json. Raises InputError for another file."""
     remedy = "--config failed= takes the file of `workflow failed`"
     document = json_reader.read(path, "failed.json", remedy).data
     try:

@@ -1,6 +1,6 @@
-"""The half-maximum arm of the study: its cases, settings and files.
+"""Cases, settings and files of the half-maximum arm of the study.
 
-The arm makes the comparison in CT a second time, with lumens segmented at half maximum of the intensity.
+This arm makes the comparison in CT a second time, with lumens segmented at half of the maximum intensity.
 """
 
 import json
@@ -33,7 +33,7 @@ class HalfMaximum:
         return json.dumps(changed, sort_keys=True)
 
     def lumen_file(self, wildcards):
-        """As `Inputs.state_lumen`, in the arm's folder."""
+        """The lumen that a state's anatomy step measures, in the arm's folder (see `Inputs.state_lumen`)."""
         folder = f"{self.inputs.results}/cases/{wildcards.case}"
         return self.inputs.state_lumen(wildcards).replace(folder, f"{folder}/{ARM_NAME}", 1)
 

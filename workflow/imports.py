@@ -18,9 +18,9 @@ def code(part, *modules):
 
 
 def command_code(part, function):
-    """As `code`, for the command that `function` in the part's __main__ runs.
+    """Like `code`, for the command that the function `function` of the part's __main__ runs.
 
-    The modules are imported in this function, or in functions of __main__ that it calls. Raises
+    The command's modules are those imported in this function, and in functions of __main__ that it calls. Raises
     ValueError if __main__ has no such function.
     """
     return code(part, *_function_imports(f"{part}.__main__", function))
@@ -29,8 +29,8 @@ def command_code(part, function):
 def script_code(script, *folders):
     """Files behind a script of this repository, relative to it, sorted.
 
-    These are the script, its imports from beside it or from `folders`, which it puts on its path, and all that these
-    import.
+    These are the script, the modules that it imports, and all that these import. The script may import from its own
+    folder, from `folders`, which it puts on its path, and from the repository.
     """
     folders_to_search, found, names, pending = (
         [pathlib.Path(script).parent, *map(pathlib.Path, folders)],
@@ -127,18 +127,18 @@ def _function_imports(name, function):
 
 
 def _all_statements(node):
-    """All statements within an ast node. Expressions are skipped: they hold no imports, and are most of the nodes."""
+    """All statements within an ast node. Expressions are skipped, to save time: they hold no imports."""
     for field in ("body", "orelse", "finalbody", "handlers", "cases"):
         inner = getattr(node, field, [])
         for statement in (
             inner if isinstance(inner, list) else []
-        ):  # in lambdas and conditional expressions it is no list
+        ):  # a lambda or conditional expression has no list here
             yield statement
             yield from _all_statements(statement)
 
 
 def _names_in_imports(nodes, package):
-    """Full names that the import statements among the nodes may mean, in a module of `package`."""
+    """Full names that the import statements among the nodes may mean. package: the package of their module."""
     found = set()
     for node in nodes:
         if isinstance(node, ast.Import):

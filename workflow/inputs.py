@@ -7,7 +7,7 @@ import shlex
 from common.documents import config
 
 SYNTHETIC_STATES = ("pre", "vci", "rc", "reference")
-SURFACE_STATES = ("pre", "vci", "rc")  # states of a case without a reference
+SURFACE_STATES = ("pre", "vci", "rc")  # states of any other case, which has no reference
 CENTRELINE_OPTIONS = {
     "units": "--centreline-units",
     "line": "--line",
@@ -54,7 +54,8 @@ class Inputs:
     def has_reference(self, case):
         """Whether the reference can treat the case: a synthetic one, by one device at a time in one branch.
 
-        A plan that treats all lesions may go into several branches, which is not known before the lumen is measured.
+        A plan that treats all lesions may go into several branches. That is not known before the lumen is measured, so
+        such a case has no reference.
         """
         description = self.configuration.cases[case]
         steps = config.listed_steps(description["plan"])
@@ -161,7 +162,7 @@ class Inputs:
 
     @staticmethod
     def for_post(function):
-        """A function of the wildcards alone, which calls `function` (of wildcards and key) with the key `post`."""
+        """`function` of wildcards and key as a function of the wildcards alone, with the key `post`."""
 
         def answer(wildcards):
             return function(wildcards, "post")
@@ -171,7 +172,7 @@ class Inputs:
     def section(self, key):
         """A function of the wildcards that gives a section of the case's configuration as JSON text.
 
-        As a rule's parameter it makes the rule run again when that section changes, and only then.
+        Rules take it as a parameter, so that they run again when that section changes, and only then.
         """
 
         def text(wildcards):
@@ -188,7 +189,7 @@ class Inputs:
         return value
 
     def anatomy(self, wildcards):
-        """Folder of the anatomy of a state; `pre` uses the anatomy made first, in the case's own folder."""
+        """The anatomy folder of a state. For `pre` it lies directly in the case's folder."""
         case = f"{self.results}/cases/{wildcards.case}"
         return f"{case}/anatomy" if wildcards.state == "pre" else f"{case}/{wildcards.state}/anatomy"
 
@@ -203,9 +204,9 @@ class Inputs:
         }
 
     def start_files(self, wildcards):
-        """Files of the solved flow that is the first guess for a state's flow: that in the predicted lumen (`vci`).
+        """Files of the solved flow in the predicted lumen (`vci`), the first guess for a state's flow.
 
-        Empty for the states `vci` (the prediction) and `pre`.
+        The result is empty for `vci` itself and for `pre`, which have no such first guess.
         """
         if wildcards.state in ("pre", "vci"):
             return {}
@@ -233,7 +234,7 @@ class Inputs:
         return [f"{self.results}/cases/{wildcards.case}/post/registration.json"] if has_post else []
 
     def phantom_inputs(self, wildcards):
-        """Inputs of a state's simulated CT: its lumen, and after the procedure also plan (stents) and centreline."""
+        """Inputs of a state's simulated CT: its lumen; after the procedure also the stents' plan and the centreline."""
         case = f"{self.results}/cases/{wildcards.case}"
         if wildcards.state == "pre":
             return {"lumen": f"{case}/anatomy/lumen.vtp"}
@@ -254,11 +255,11 @@ class Inputs:
         return [f"{case}/ct/{state}/segmentation.json" for state in states]
 
     def end_points_file(self, wildcards):
-        """The file with the end points that a reader of the image would click, taken from the state's own anatomy."""
+        """The file with the vessel's end points, which a reader of the image would click: the state's own anatomy."""
         return self.anatomy_files(wildcards)["anatomy"]
 
     def files_of_states(self, *names):
-        """A function of the wildcards: <case>/<name> of every state, with {state} and {anatomy} filled in.
+        """A function of the wildcards that gives <case>/<name> of every state, with {state} and {anatomy} filled in.
 
         Names of flow files are left out for states without a computed flow.
         """
@@ -289,7 +290,7 @@ class Inputs:
 
 
 def _ct_ends(given):
-    """(option, point) of the end points of a CT, the inlet first."""
+    """[(option, point)] of the end points in a CT, the inlet first. option: its name on command lines."""
     return [("inlet", given["inlet_mm"]), *(("outlet", point) for point in given["outlets_mm"])]
 
 
@@ -299,13 +300,13 @@ def test_results():
 
 
 def procedure_sensitivity_tables(cases):
-    """Files made by the rule `procedure_sensitivity` for the cases. Paths are absolute, as in `benchmark_tables`."""
+    """Files that the rule `procedure_sensitivity` made for the cases. Why absolute paths: see `benchmark_tables`."""
     folders = [pathlib.Path(f"results/cases/{case}/sensitivity").absolute() for case in cases]
     return sorted(str(file) for folder in folders for file in folder.glob("deployment*.csv"))
 
 
 def solved_plans(cases):
-    """FFR files made by the rule `plan_solve` for the cases. Paths are absolute, as in `benchmark_tables`."""
+    """FFR files that the rule `plan_solve` made for the cases. Why absolute paths: see `benchmark_tables`."""
     folders = [pathlib.Path(f"results/cases/{case}/plans").absolute() for case in cases]
     return sorted(str(file) for folder in folders for file in folder.glob("*/flow/ffr.json"))
 
@@ -313,8 +314,8 @@ def solved_plans(cases):
 def benchmark_tables():
     """Results of `snakemake benchmarks`, for the report; empty if none was run.
 
-    The paths are absolute, so that Snakemake takes them for plain files and for no rule's output. Otherwise a report
-    would run hours of benchmarks anew after a change of their code.
+    The paths are absolute, so that Snakemake does not see them as outputs of rules. Otherwise, after a change of their
+    code, a report would run hours of benchmarks anew.
     """
     found = pathlib.Path("results/benchmarks").absolute()
     return sorted(str(file) for kind in ("csv", "png", "svg") for file in found.glob(f"*/*.{kind}"))
@@ -363,7 +364,7 @@ def stent_options(wildcards, input):
 
 
 def stented_option(wildcards):
-    """Command-line option of `anatomy ct` for a state's CT: after the procedure the vessels hold a stent."""
+    """Command-line option of `anatomy ct` for a state's CT. After the procedure the vessel holds a stent."""
     return "--stented" if wildcards.state == "reference" else ""
 
 

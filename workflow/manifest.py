@@ -1,7 +1,7 @@
 """The manifest that ships with a release: results that a study must reproduce on another machine, and the comparison.
 
 Surfaces, deployments and meshes must have the same bits. Areas and curvature need only agree within RELATIVE_TOLERANCE,
-FFR within its error estimate: they come from a library of linear algebra, whose order of summation depends on the
+and FFR within its error estimate. They come from a library of linear algebra, whose order of summation depends on the
 processor. The key `tolerances` of the manifest is for human readers only; the comparison does not use it.
 """
 
@@ -26,7 +26,7 @@ SAME_BITS = {
     "mesh": r"flow/(pre|vci|rc)/mesh.*",
 }
 RELATIVE_TOLERANCE = {"mean_area_mm2": 0.002, "minimum_area_mm2": 0.002, "mean_curvature_per_mm": 0.002}
-# Endings of keys whose values differ from run to run.
+# Endings of JSON keys whose values differ from run to run.
 VARYING_KEY_ENDINGS = ("seconds", "timings_s", "peak_memory_mib", "path")
 
 
@@ -58,7 +58,7 @@ def build_manifest(study):
 
 
 def differences(expected, found):
-    """(number of comparisons, messages) of two manifests' documents: the shipped one, and that of this study.
+    """(number of comparisons, messages) of two manifests' documents: `expected` ships, `found` is of this study.
 
     Each message names a difference: its case, the product or number, and both values.
     """
@@ -74,7 +74,7 @@ def differences(expected, found):
 
 
 def verify(manifest, study):
-    """Compares a finished study with a manifest that ships; returns the number of comparisons.
+    """Compares a finished study (folder of results) with a manifest that ships; returns the number of comparisons.
 
     Raises ComputationError, which lists the differences, or InputError for a file that cannot be read.
     """
@@ -100,7 +100,7 @@ def verify(manifest, study):
 
 
 def product_digest(file):
-    """SHA-256 of a product. In a JSON file keys that differ between runs, such as seconds, are left out."""
+    """SHA-256 of a product. Keys of a JSON file that differ between runs, such as seconds, are left out."""
     if file.suffix != ".json":
         return sha256(file)
     kept = _without_varying_keys(read(file, "JSON").data)

@@ -18,9 +18,9 @@ CASE_ENTRIES = {
     "metrics.json",
     "plans",
     "sensitivity",
-}  # files and folders that a case has beside those of its states
+}  # files and folders of every case, beside the folders of its states
 CT_ENTRIES = {"ct", "ct_pre", "half_maximum"}
-# they may change a number's last bits
+# environment variables that may change the last bits of a number
 ENVIRONMENT_VARIABLES = ("GLIBC_TUNABLES", "NPY_DISABLE_CPU_FEATURES", "OMP_NUM_THREADS", "OPENBLAS_CORETYPE")
 
 
@@ -43,7 +43,7 @@ def write_provenance(configuration, cases, results, programs, software, out):
 
 
 def product_files(folder):
-    """The products in a case's folder, sorted: the files of its states in metrics.json.
+    """The products in a case's folder, sorted: files of the case and of the states that metrics.json lists.
 
     Logs, benchmarks and files left by an earlier run with other states are left out. Raises InputError if metrics.json
     is missing.
@@ -111,12 +111,12 @@ def _find_seeds(value, where=""):
 
 
 def _read_commands(logs):
-    """{log: command} of a case's steps, from the first line that workflow/run.sh writes."""
+    """{log: command} of a case's steps. workflow/run.sh writes the command as the first line of the log."""
     found = {}
     for log in sorted(logs.rglob("*.log")):
         with open(log, errors="replace") as stream:
             first = stream.readline()
-        if not first:  # the log of a rule inside Snakemake, such as `settings`, which runs no command
+        if not first:  # the log of a rule that does not use run.sh, such as `settings`
             continue
         if not first.startswith("$ "):
             raise InputError(

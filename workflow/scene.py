@@ -4,15 +4,15 @@ from common.documents import json_reader, plan_reader
 from common.errors import InputError
 from common.files import write_json
 
-SCENE_SECTIONS = ("wall", "numerics")  # of the section `deployment`
+SCENE_SECTIONS = ("wall", "numerics")  # the parts of the section `deployment` that a scene has
 REMEDY = "give settings/deployment.json of a case, or another JSON file with wall and numerics"
 
 
 def write_scene(plan_file, settings_file, out):
     """Writes `out`: the plan's document with `wall` and `numerics`.
 
-    Raises InputError if a file is not what it should be, or if `out` is in another folder than the plan, whose relative
-    paths it keeps.
+    Raises InputError if a file is not what it should be. Also raises it if `out` is not in the plan's folder: the scene
+    keeps the plan's relative paths.
     """
     if out.resolve().parent != plan_file.resolve().parent:
         raise InputError("scene outside the plan's folder", "--out", out, f"write it into {plan_file.parent}")

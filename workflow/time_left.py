@@ -1,8 +1,8 @@
 """Snakemake log handler (config/profiles/local): says about every minute how long the run will still take.
 
-An open step is expected to take the mean time of its rule's finished steps. If its rule has none, it takes the rule's
-TYPICAL_SECONDS, scaled by this run's speed so far. The sum is divided by the mean number of steps that ran at once. The
-order of the steps is ignored, so the last minutes are underestimated.
+A step that has not finished is expected to take the mean time of its rule's finished steps. If there are none, it is
+expected to take the rule's TYPICAL_SECONDS, scaled by this run's speed so far. The sum is divided by the mean number of
+steps that ran at once. The order of the steps is ignored, so the last minutes are underestimated.
 """
 
 import collections
@@ -10,8 +10,8 @@ import re
 import sys
 import time
 
-# Seconds of a step by rule: rough guesses for a patient of the cohort `nine` on an idle core. A guess is used until the
-# first step of its rule has finished.
+# Seconds of a step by rule, guessed for a patient of the cohort `nine` on an idle core. A guess is used until the first
+# step of its rule has finished.
 TYPICAL_SECONDS = {
     "flow_solve": 60,
     "flow_mesh": 15,

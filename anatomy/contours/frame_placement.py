@@ -9,25 +9,29 @@ from common.errors import InputError
 from . import rings
 from .reading.outlines import centroid
 
-LARGEST_DISAGREEMENT_MM = 3.0  # largest disagreement of landmarks along the line: a frame is picked to within 2 or 3 mm
+# Each landmark gives a place of the pull-back along the line. A landmark whose place is farther than this from the mean
+# is refused. A landmark's frame can be picked to within 2 or 3 mm.
+LARGEST_DISAGREEMENT_MM = 3.0
 LEAST_AXIS_DISTANCE_MM = (
-    0.2  # least distance of a landmark from the axis; nearer, an error of half a voxel is a right angle
+    0.2  # least distance of a landmark from the axis: nearer, half a voxel of error may turn its direction by 90 deg
 )
-FARTHEST_RADII = 3.0  # lumen radii from the lumen's centre to a landmark at most: wall, branch's mouth, ostium's rim
-# Turn of a landmark from the landmarks' mean above which a warning is given. A side branch's mouth is marked to about
-# 0.4 mm, which is 15 degrees on the wall of a lumen 3 mm wide. The catheter's own turn has a standard deviation of
-# 10 degrees over 9 mm (README.md).
+# Largest distance of a landmark from the lumen's centre, in lumen radii. Landmarks lie on the wall, in the mouth of a
+# branch or on the rim of an ostium.
+FARTHEST_RADII = 3.0
+# Each landmark also gives an angle of the images about the line. A warning is given if one differs by more than this
+# from the mean. The mouth of a side branch is marked to about 0.4 mm, which is 15 degrees on the wall of a lumen 3 mm
+# wide. The catheter itself turns with a standard deviation of 10 degrees over 9 mm (README.md).
 USUAL_TURN_DEG = 15.0
-LARGEST_TURN_DEG = 45.0  # largest turn of a landmark from the mean; beyond, tables are mirrored or points mixed up
+LARGEST_TURN_DEG = 45.0  # a larger difference is refused: the tables are mirrored, or points are mixed up
 
 
 @dataclass
 class FramePlacement:
     """How frames are placed in space.
 
-    to_space: function of z_mm (k,) and points (k, n, 2) in the planes of the frames at these z, in mm. It returns the
-    points (k, n, 3) in space, in mm. axis_description: the axis used, in words. report: {name: number} for
-    contours.json.
+    to_space(z_mm (k,), points (k, n, 2)): function that takes points in the planes of frames at k values of z, in mm.
+    It returns the points in space (k, n, 3), in mm. axis_description: the axis in words. report: {name: number},
+    written to contours.json.
     """
 
     to_space: object
@@ -38,8 +42,9 @@ class FramePlacement:
 def centres(frames, on_outer_wall):
     """Centroid (frames, 2) in mm of the lumen or of the outer wall in each frame.
 
-    If a frame's outer wall was not traced, the offset of its centroid from the lumen's is interpolated. If no frame has
-    an outer wall, the lumen's centroids are returned.
+    on_outer_wall: whether to take the outer wall. Where it was not traced, the vector from the lumen's centroid to the
+    outer wall's is interpolated between the traced frames. If no frame has an outer wall, the lumen's centroids are
+    returned.
     """
     lumen = np.array([centroid(rings.smooth(frame.lumen)) for frame in frames])
     traced = np.array([frame.outer_wall is not None for frame in frames])
@@ -55,8 +60,8 @@ def centres(frames, on_outer_wall):
 def straight_placement(pullback):
     """FramePlacement along the tables' own z axis, with x and y as in the image.
 
-    The axis runs through the centroid of each frame's outer wall, or of its lumen if no outer wall is known. Images are
-    centred on the catheter instead, but its path through the vessel is unknown without a centreline.
+    The axis runs through the centroid of each frame's outer wall, or of its lumen if no outer wall is known. The images
+    are centred on the catheter. The catheter cannot serve as the axis, since its path through the vessel is unknown.
     """
     centre = rings.interpolator(pullback.z_mm, centres(pullback.frames, on_outer_wall=True))
 
@@ -73,11 +78,11 @@ def straight_placement(pullback):
 def centreline_placement(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_deg=0.0, mirrored=False):
     """FramePlacement on a Line: the lumen's centroids lie on the line, the frames' planes across it, z runs along it.
 
-    landmark_points_mm: [(3,)], where the pull-back's landmarks lie in the line's space. They give the place along the
-    line and the turn about it. Without them proximal_s_mm (default 0) is the arc length of the proximal frame on the
-    line. rotation_deg is then the turn of the image against the line's own vectors across it. mirrored: x, y, z of the
-    tables are left-handed; else they are right-handed, whichever end z rises from. Raises InputError if the line is too
-    short, if landmarks contradict each other, or if one is on the line or far from it.
+    landmark_points_mm: [(3,)], where the pull-back's landmarks lie in the line's space. They fix the place along the
+    line and the turn about it. Without landmarks proximal_s_mm (default 0) is the arc length of the proximal frame on
+    the line. rotation_deg then turns the images against the line's vectors across it (Line.frame_at). mirrored: whether
+    x, y and z of the tables are left-handed; otherwise they are right-handed, from whichever end z rises. Raises
+    InputError if the line is too short, if landmarks contradict each other, or if one lies on the line or far from it.
     """
     z = pullback.z_mm
     centre = rings.interpolator(z, centres(pullback.frames, on_outer_wall=False))
@@ -122,7 +127,7 @@ def warnings(placement):
 def _image_axes(one, two, turn):
     """Directions of the image's x and y, each (k, 3), for the line's vectors `one`, `two` (k, 3) and a turn in radians.
 
-    With z they are right-handed: z points against the tangent, towards the proximal end.
+    Together with the frames' z they are right-handed. z points towards the proximal end, against the line's tangent.
     """
     x = np.cos(turn) * one - np.sin(turn) * two
     y = -np.sin(turn) * one - np.cos(turn) * two
@@ -167,7 +172,8 @@ def _align_landmarks(pullback, line, points, centre, flip):
             remedy = f"a place on the wall or in a branch's mouth, {LEAST_AXIS_DISTANCE_MM} mm or more from the lumen's"
             remedy += " centre"
             raise InputError("a landmark on the axis tells no rotation", where, value, remedy)
-    # _image_axes() puts a point at the image's angle a at the angle -a - turn in the plane of `one` and `two`
+    # A point at angle a in the image lies at angle -a - turn in the plane of `one` and `two` (_image_axes). So each
+    # landmark gives the turn as minus the sum of its two angles.
     angles = -np.arctan2(v, u) - np.arctan2(across[:, 1], across[:, 0])
     turn = float(np.angle(np.exp(1j * angles).mean()))
     off = np.abs(np.degrees(np.angle(np.exp(1j * (angles - turn)))))
@@ -187,8 +193,8 @@ def _align_landmarks(pullback, line, points, centre, flip):
 def _check_landmark_distance(pullback, z, where, distance):
     """Raises InputError if a landmark is more than FARTHEST_RADII radii from the lumen's centre.
 
-    distance (m,): distance of the landmarks from the centre, in mm. The radius is the median of the frames', or that at
-    the landmark's z (m,) if it is larger. where: the setting at fault, for the message.
+    distance (m,): distance of the landmarks from the centre, in mm. The radius is the median over all frames, or the
+    radius at the landmark's z (m,) if that is larger. where: the setting to name in the message.
     """
     radii = np.sqrt([rings.area_mm2(frame.lumen) / np.pi for frame in pullback.frames])
     radius = np.maximum(rings.interpolator(pullback.z_mm, radii)(z), np.median(radii))

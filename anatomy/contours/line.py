@@ -1,4 +1,4 @@
-"""A vessel's centreline as a smooth curve, with perpendicular directions that do not twist along it."""
+"""A vessel's centreline as a smooth curve, with two directions across it that do not twist along it."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline, make_lsq_spline
@@ -9,28 +9,28 @@ from common.errors import InputError
 
 from .reading.tables import MILLIMETRES
 
-SPACING_MM = 0.05  # between the points of a Line
-FEWEST_POINTS = 4  # points that a cubic curve needs
-SHORTEST_MM = 1.0  # a vessel of 20 to 150 mm is shorter if its metres were taken for millimetres
-LONGEST_MM = 400.0  # longer than a coronary artery with the aorta: millimetres were taken for centimetres or metres
+SPACING_MM = 0.05  # distance between the points of a Line
+FEWEST_POINTS = 4  # a cubic curve needs this many points
+SHORTEST_MM = 1.0  # a shorter line is refused: its coordinates are metres that were declared as mm
+LONGEST_MM = 400.0  # no coronary artery with its aorta is longer: coordinates in mm were declared as cm or m
 RADIUS_ARRAYS = (
     "MaximumInscribedSphereRadius",
     "radius_mm",
     "Radius",
-)  # arrays of radii, by VMTK, by this package, by others
+)  # names of the radius array in files of VMTK, of this package, of other programs
 END_SHARE, WIDENING_RATIO = (
-    0.2,
-    1.1,
-)  # share of a line's points that is an end; ratio of last to first radius for a warning
-KNOTS_MM = 3.0  # between the spline's knots: a coronary bends over longer stretches, voxels' jitter is over shorter
+    0.2,  # share of the line's points that counts as one end
+    1.1,  # ratio of the radii, last end over first end, above which a warning is given
+)
+KNOTS_MM = 3.0  # distance of the smoothing spline's knots: bends of arteries are longer, noise of voxels is shorter
 
 
 class Line:
     """Smoothed curve through points (n, 3) in mm, from the proximal end on.
 
-    s_mm: (k,) arc lengths of its points, in mm from the proximal end. Each point has a tangent and two unit vectors
-    across it. These two do not twist along the curve (parallel transport by double reflection: Wang et al., ACM Trans
-    Graph 27 (2008) 2). warnings: sentences about the line.
+    s_mm (k,): arc lengths of the curve's own points, in mm from the proximal end. At each of them there are a tangent
+    and two unit vectors across it. These two do not twist along the curve (parallel transport by double reflection:
+    Wang et al., ACM Trans Graph 27 (2008) 2). warnings: sentences about the line.
     """
 
     def __init__(self, points, warnings=()):
@@ -125,7 +125,8 @@ def _arc_lengths(points):
 def _smooth_points(points):
     """Points (n, 3) about SPACING_MM apart on a least-squares cubic spline with knots KNOTS_MM apart.
 
-    A line of at most 50 points is first interpolated by a cubic spline.
+    The fit needs points SPACING_MM apart. Between more than 50 given points they are interpolated linearly. Fewer
+    points lie far apart, and straight pieces between them would have corners, so the interpolation is cubic there.
     """
     along = _arc_lengths(points)
     fine = np.linspace(0, along[-1], int(np.ceil(along[-1] / SPACING_MM)) + 1)
@@ -140,7 +141,7 @@ def _smooth_points(points):
 
 
 def _parallel_transport(points, tangents):
-    """Unit vectors (n, 3) across the tangents (n, 3) at points (n, 3), without twist, by double reflection."""
+    """Unit vectors (n, 3) across the tangents (n, 3) that do not twist along points (n, 3), by double reflection."""
     first = np.empty_like(points)
     first[0] = np.cross(tangents[0], np.eye(3)[np.abs(tangents[0]).argmin()])
     first[0] /= np.linalg.norm(first[0])

@@ -13,8 +13,8 @@ def surface(rings_mm, names_mm):
     """(points (p, 3) in mm, triangles (m, 3), region (m,)) of the closed surface through rings (k, n, 3).
 
     The rings run from distal to proximal. The outlet's cap closes the distal ring, the inlet's cap the proximal ring.
-    Triangles face outwards. names_mm: (k,) z of each ring in the tables, for messages. Raises InputError if rings
-    intersect because the axis bends too sharply for the lumen's width.
+    Triangles face outwards. region: WALL, INLET or OUTLET. names_mm (k,): z of each ring in the tables, for messages.
+    Raises InputError if rings intersect because the axis bends too sharply for the lumen's width.
     """
     _check_advance(rings_mm, names_mm)
     count, around = rings_mm.shape[:2]
@@ -55,7 +55,10 @@ def _wall(rings_mm):
 
 
 def _check_advance(rings_mm, names_mm):
-    """Raises InputError unless every point of a ring is proximal of the same point of the ring before."""
+    """Raises InputError if the wall would fold back between two neighbouring rings.
+
+    The wall does not fold if each point of a ring lies proximal of the same point of the ring before.
+    """
     step = np.diff(rings_mm, axis=0)
     axis = np.diff(rings_mm.mean(axis=1), axis=0)
     normals = np.array([_normal(ring) for ring in rings_mm[:-1]])
@@ -97,7 +100,7 @@ def _cap(ring, out):
 
 
 def _inner(rim):
-    """Points (q, 2) of a triangular grid inside a rim (n, 2), farther from its points than 0.7 of their spacing."""
+    """Triangular grid of points (q, 2) inside a rim (n, 2), at least 0.7 grid spacings from the rim's points."""
     edge = 1.2 * np.linalg.norm(rim - np.roll(rim, 1, axis=0), axis=1).mean()
     low, high = rim.min(axis=0), rim.max(axis=0)
     rows = []

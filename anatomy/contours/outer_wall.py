@@ -5,7 +5,7 @@ import numpy as np
 from . import rings
 from .reading.outlines import centroid
 
-MOST_NAMED_FRAMES = 5  # frames that a warning names; of more it names the first ones and the last
+MOST_NAMED_FRAMES = 5  # a warning names at most this many frames: the first ones and the last
 
 
 def is_traced(frames):
@@ -16,10 +16,10 @@ def is_traced(frames):
 def interpolated_outlines(frames, z_mm, count):
     """Outlines (frames, count, 2) in mm of the outer wall in all frames, interpolated from the traced frames.
 
-    z_mm: (frames,) of the frames, rising. The wall is interpolated, not its thickness: in a narrowing the lumen differs
-    from that of neighbouring frames, but the outer wall hardly does. Its shape is taken relative to the lumen's centre,
-    since the catheter moves within the vessel. Its area is interpolated too. Beyond the first and the last traced
-    frame both are constant.
+    z_mm (frames,): z of the frames, rising. The outer wall is interpolated, not the thickness between lumen and wall: a
+    narrowing changes the lumen from frame to frame, but hardly the outer wall. Its shape is taken relative to the
+    lumen's centre, since the catheter moves within the vessel. The area is interpolated by itself, and the shapes are
+    scaled to it. Beyond the first and the last traced frame shape and area are constant.
     """
     traced = np.flatnonzero(is_traced(frames))
     centre = np.array([centroid(rings.smooth(frame.lumen)) for frame in frames])
@@ -32,7 +32,7 @@ def interpolated_outlines(frames, z_mm, count):
 def known_range_mm(frames, z_mm):
     """(lowest, highest) z in mm at which the outer wall counts as known.
 
-    It is known half-way from the first and the last traced frame to the next frame beyond.
+    The range ends half-way from the first, and from the last, traced frame to the next frame beyond.
     """
     traced = np.flatnonzero(is_traced(frames))
     first, last = traced[0], traced[-1]
@@ -41,7 +41,10 @@ def known_range_mm(frames, z_mm):
 
 
 def warnings(pull):
-    """List of warnings on the frames of a Pullback without an outer wall, between traced frames and beyond them."""
+    """Warnings [str] about the frames of a Pullback that have no outer wall.
+
+    Between traced frames the wall is interpolated. Beyond them it is unknown.
+    """
     traced = np.flatnonzero(is_traced(pull.frames))
     missing = [k for k in range(len(pull.frames)) if k not in traced]
     inner = [k for k in missing if traced[0] < k < traced[-1]]

@@ -10,16 +10,19 @@ from common.plaque_types import CALCIFIED, FIBROUS, LIPID
 from . import outer_wall, rings
 from .reading.outlines import centroid
 
-TYPE_OF_TABLE = {"lipid": LIPID, "calcium": CALCIFIED}  # where both are traced, the second one counts
-# Normal intima is below 0.3 mm by IVUS (0.22 to 0.25 mm at 30 to 40 years). The media behind it has 0.2 mm by
-# histology, but is thinner beneath plaque (0.1 mm in vivo: Gussenhoven et al., Am J Cardiol 68 (1991) 1625).
+TYPE_OF_TABLE = {"lipid": LIPID, "calcium": CALCIFIED}  # where a ray meets both, the later entry (calcium) counts
+# Largest thickness (mm) of a healthy wall. A normal intima is below 0.3 mm by IVUS (0.22 to 0.25 mm at 30 to 40 years).
+# The media behind it has 0.2 mm by histology, but is thinner beneath plaque (0.1 mm in vivo: Gussenhoven et al., Am J
+# Cardiol 68 (1991) 1625).
 THICKEST_HEALTHY_MM = 0.3
-THINNEST_WALL_MM = 0.1  # media alone, beneath plaque (as above); the thinnest frame of the real pull-back has 0.12 mm
-LUMEN_CROSSING_MM = 0.1  # by which the lumen may leave its outer wall: hand-drawn outlines that touch may cross
+# A thinner mean wall gives a warning: the media alone, beneath plaque, has this thickness (as above). The thinnest
+# frame of the real pull-back has 0.12 mm.
+THINNEST_WALL_MM = 0.1
+LUMEN_CROSSING_MM = 0.1  # the lumen may reach this far outside its outer wall: hand-drawn outlines that touch may cross
 REGION_CROSSING_MM = (
-    0.3  # by which a region may leave the outer wall, a guess in calcium's shadow; shipped calcium: 0.07
+    0.3  # a region may reach this far outside the outer wall, which is guessed behind calcium; shipped data: 0.07 mm
 )
-STEP_MM = 0.02  # between the points tested along a ray from the lumen outwards
+STEP_MM = 0.02  # distance between the points that are tested along a ray from the lumen outwards
 
 
 def wall_distance_mm(ring, outer_wall):
@@ -72,9 +75,10 @@ def _check_outside_lumen(region, what, where, frame):
 
 
 def _check_inside_wall(distance, largest_mm, what, where, frame):
-    """Raises InputError if an outline is more than largest_mm outside the outer wall.
+    """Raises InputError if an outline reaches more than largest_mm outside the outer wall.
 
-    distance: (n,) in mm from its points to the outer wall, negative outside (wall_distance_mm).
+    distance (n,): distance in mm of its points from the outer wall, negative outside (wall_distance_mm). what: the
+    outline's name in the message.
     """
     if distance.min() < -largest_mm:
         value = f"{-distance.min():.2f} mm outside it"
@@ -86,8 +90,8 @@ def _check_inside_wall(distance, largest_mm, what, where, frame):
 def healthy_wall_mm(distance, setting="auto"):
     """Thickness in mm of the healthy wall: `setting`, or with "auto" the mean over the frame with the thinnest wall.
 
-    With "auto" it is at most THICKEST_HEALTHY_MM, since a pull-back whose thinnest wall is thicker has no healthy
-    frame. distance: (frames, n) as wall_distances_mm() returns it, of the traced frames.
+    distance (frames, n): result of wall_distances_mm() for the traced frames. With "auto" the thickness is at most
+    THICKEST_HEALTHY_MM: if the thinnest wall is thicker, the pull-back has no healthy frame.
     """
     if setting != "auto":
         return float(setting)
@@ -97,8 +101,9 @@ def healthy_wall_mm(distance, setting="auto"):
 def plaque_types(frame, ring):
     """Type (n,) of plaque (common/plaque_types.py) behind each point of a frame's ring (n, 2), whatever its thickness.
 
-    A traced region of calcium or lipid counts where a ray from the lumen's centroid meets it outside the lumen. Its
-    depth does not matter, since the stiffest layer carries the load round the vessel.
+    A ray runs from the lumen's centroid through the point. The point gets the type of a traced region (calcium, lipid)
+    that the ray meets outside the lumen. The region's depth does not matter, since the stiffest layer carries the load
+    round the vessel.
     """
     kind = np.full(len(ring), FIBROUS)
     centre = centroid(ring)
@@ -115,9 +120,9 @@ def plaque_types(frame, ring):
 
 
 def arc_deg(kind, ring, value):
-    """Angle in degrees, round the lumen's centroid, of those points of a ring (n, 2) whose type is `value`.
+    """Arc in degrees, seen from the lumen's centroid, over which the points of a ring (n, 2) have the type `value`.
 
-    kind: (n,) types of the points.
+    kind (n,): types of the points.
     """
     relative = ring - centroid(ring)
     angle = np.unwrap(np.arctan2(relative[:, 1], relative[:, 0]), period=2 * np.pi)

@@ -9,17 +9,19 @@ from common.errors import InputError
 from . import rings
 from .reading import tables
 
-SAME_Z_MM = 0.01  # largest difference of one frame's z in two tables, which may be rounded to two decimals
-SAME_PLACE_MM = 0.005  # frames nearer are at one place; at 0.5 mm/s and 60 frames a second they are 0.008 mm apart
+SAME_Z_MM = 0.01  # z of one frame may differ this much between two tables, which may be rounded to two decimals
+# Frames nearer than this (mm) count as two at one place. In a pull-back of 0.5 mm/s with 60 frames a second they are
+# 0.008 mm apart.
+SAME_PLACE_MM = 0.005
 FEWEST_FRAMES = 3  # two ends and a frame between them
-USUAL_GAP_MM = 2.0  # between frames; a longer gap gives a warning, since most of the lumen there is interpolated
+USUAL_GAP_MM = 2.0  # a longer gap between frames gives a warning, since the lumen there is interpolated only
 
 
 @dataclass
 class Frame:
-    """One frame, by its name in the tables. z_mm rises from distal to proximal.
+    """One frame of a pull-back, in mm. name: its name in the tables. z_mm rises from distal to proximal.
 
-    Outlines are (n, 2) in mm in the image's plane.
+    Outlines are (n, 2), in the image's plane.
     """
 
     name: object
@@ -33,8 +35,8 @@ class Frame:
 class Pullback:
     """Frames from distal to proximal, landmarks and warnings [str].
 
-    landmarks: [(z_mm, point (2,) in mm in the image's plane)] in the order of their table. sign: z_mm over z in the
-    tables, 1 or -1. It is -1 if z in the tables rises from the proximal end.
+    landmarks: [(z_mm, point (2,) in mm in the image's plane)] in the order of their table. sign: factor from z in the
+    tables to z_mm. It is 1, or -1 if z in the tables rises from the proximal end.
     """
 
     frames: list
@@ -90,7 +92,10 @@ def read(files, units="mm", z_from="distal", z_range_mm=None, drop_frames=()):
 
 
 def _check_dropped(missing, seen, path):
-    """Raises InputError if frames to leave out are in no table: else the frame that the user means would stay."""
+    """Raises InputError if a frame to leave out is in no table.
+
+    It is then named wrongly, and the frame that the user means would be used without notice.
+    """
     if missing:
         names = sorted(seen)
         value = f"{', '.join(f'{name:g}' for name in sorted(missing))}; the tables have {len(names)} frames from"
@@ -119,8 +124,8 @@ def _check_frames(lumen, path, warnings):
 def _match_frames(table, files, what, frames, warnings):
     """Yields (frame's name, outline or outlines) of the table `what`, for frames with a lumen.
 
-    table: {frame's name: (z, outline or outlines)}. Warns of frames without a lumen. Raises InputError if a frame's z
-    differs from that in the lumen's table.
+    table: {frame's name: (z, outline or outlines)}. Warns of frames without a lumen. Raises InputError if the z of a
+    frame differs from its z in the lumen's table.
     """
     path = files[what]
     unmatched = []

@@ -1,4 +1,4 @@
-"""Outlines as rings of equally many corresponding points with exact area, and interpolation between frames."""
+"""Turns outlines into rings of equally many corresponding points with exact area, and interpolates between frames."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
@@ -28,16 +28,16 @@ def area_mm2(outline):
 def ring_from_outline(outline, count):
     """Ring of `count` points (count, 2) on an outline (n, 2), evenly spaced by length, from about angle 0 on.
 
-    Points of two rings correspond by their number, but hand-drawn outlines begin anywhere. So the ring's start is
-    shifted along the outline until the mean difference of the points' angles from those of a circle is 0. Angles are
-    round the centroid; the circle begins at angle 0.
+    Points of two rings correspond by their number, but hand-drawn outlines begin anywhere. So the start is shifted
+    along the outline. Then the points' angles about the centroid agree on average with those of points on a circle that
+    begins at angle 0.
     """
     fine = smooth(outline)
     centre = centroid(fine)
     angle = np.unwrap(np.arctan2(*(fine - centre).T[::-1]))
     behind = np.mean(
         angle - 2 * np.pi * np.arange(FINE_POINTS) / FINE_POINTS
-    )  # mean lead over a circle that begins at angle 0
+    )  # mean angle by which the points lead those of a circle that begins at angle 0
     start = -behind / (2 * np.pi) * FINE_POINTS
     at = (start + np.arange(count) * FINE_POINTS / count) % FINE_POINTS
     closed = np.vstack([fine, fine[:1]])
@@ -45,10 +45,10 @@ def ring_from_outline(outline, count):
 
 
 def interpolator(z_mm, values):
-    """Function of z (k,) in mm that interpolates `values` (frames, ...) given at z_mm (frames,), rising.
+    """Function that interpolates `values` (frames, ...), given at z_mm (frames,), rising, at any z (k,) in mm.
 
-    It returns (k, ...). It is a monotone cubic: between two frames its values lie between theirs. Beyond the ends it is
-    constant.
+    It returns (k, ...). It is a monotone cubic, so between two frames its values lie between theirs. Beyond the ends it
+    is constant.
     """
     if len(z_mm) == 1:
         return lambda z: np.repeat(values[:1], len(np.atleast_1d(z)), axis=0)

@@ -14,8 +14,8 @@ from . import frame_placement, line, loft, outer_wall, picture, plaque, pullback
 
 SCHEMA = "vci-contours-1"
 ARRAYS = ("plaque_thickness_mm", "plaque_type")  # point data of lumen.vtp
-EDGE_MM = 0.12  # edges of the lofted surface; `lumen process` remeshes it
-SHADOW_ARC_DEG = 90  # arc of calcium; behind a wider one the outer wall is hidden (Mintz et al., JACC 37 (2001) 1478)
+EDGE_MM = 0.12  # length of edges of the lofted surface; `lumen process` remeshes it later
+SHADOW_ARC_DEG = 90  # calcium over a wider arc hides the outer wall behind it (Mintz et al., JACC 37 (2001) 1478)
 FEWEST_AROUND, MOST_AROUND = 64, 200  # points round a ring
 
 
@@ -53,10 +53,10 @@ def run(files, out, units="mm", healthy_wall_mm="auto", reading=None, placement_
 
 
 def loft_pullback(pull, placement):
-    """The lofted lumen of a Pullback, placed by a FramePlacement.
+    """The lofted lumen of a Pullback, placed by a FramePlacement, as a dict.
 
-    A dict: points, triangles and region as of loft.surface(), z_mm (k,) of the surface's rings, and frame_rings
-    (frames, n, 2) in mm, the rings of the frames in their planes.
+    points, triangles, region: results of loft.surface(). z_mm (k,): z of the surface's rings. frame_rings
+    (frames, n, 2): rings of the frames, in mm in their planes.
     """
     longest = max(_perimeter(frame.lumen) for frame in pull.frames)
     around = int(np.clip(np.ceil(longest / EDGE_MM), FEWEST_AROUND, MOST_AROUND))
@@ -70,12 +70,15 @@ def loft_pullback(pull, placement):
 
 
 def _areas(pull, z_mm):
-    """Areas in mm2 of the lumen at z_mm (k,), interpolated monotonically between those of the frames' outlines."""
+    """Areas in mm2 of the lumen at z_mm (k,), interpolated monotonically between the areas of the frames' outlines."""
     return rings.interpolator(pull.z_mm, np.array([rings.area_mm2(frame.lumen) for frame in pull.frames]))(z_mm)
 
 
 def _centreline_placement(pull, placement_settings):
-    """The FramePlacement on a centreline. placement_settings: as for run(); its keys of line.read() are taken out."""
+    """The FramePlacement on a centreline.
+
+    placement_settings: dict as for run(). The keys of line.read() are removed from it.
+    """
     axis = line.read(
         placement_settings.pop("centreline"),
         placement_settings.pop("units", "mm"),
@@ -92,10 +95,11 @@ def _perimeter(outline):
 
 
 def _plaque(pull, files, healthy_wall_mm, lumen):
-    """({array's name: values at the surface's points}, summary of the plaque); no arrays without an outer wall.
+    """(arrays, summary) of the plaque.
 
-    lumen: as loft_pullback() returns it. The summary has kinds (frames, n); with an outer wall also distance (frames,
-    n) in mm from lumen to outer wall, and healthy_wall_mm.
+    arrays: {name: values at the surface's points}, empty without an outer wall. summary: dict with `kinds` (frames, n),
+    the plaque types at the points of frame_rings. With an outer wall it also has `distance` (frames, n) in mm from
+    lumen to outer wall, and `healthy_wall_mm`. lumen: result of loft_pullback().
     """
     frames, frame_rings = pull.frames, lumen["frame_rings"]
     kinds = np.array([plaque.plaque_types(frame, ring) for frame, ring in zip(frames, frame_rings)])
@@ -130,7 +134,7 @@ def _plaque(pull, files, healthy_wall_mm, lumen):
     thickness[(z < low - 1e-9) | (z > high + 1e-9)] = np.nan
     nearest = np.abs(z[:, None] - pull.z_mm[None]).argmin(axis=1)
     kind = np.where(thickness > 0, kinds[nearest], NONE)
-    inner = len(lumen["points"]) - thickness.size  # inner points of the caps, which are not wall
+    inner = len(lumen["points"]) - thickness.size  # number of the caps' inner points, which get no plaque
     _warn_of_shadows(pull, frame_rings, kinds)
     values = (
         np.concatenate([thickness.ravel(), np.zeros(inner)]),
@@ -140,7 +144,7 @@ def _plaque(pull, files, healthy_wall_mm, lumen):
 
 
 def _warn_of_thin_walls(pull, means):
-    """Warns of traced walls that are too thin for an artery. means: (frames,) mean wall thickness in mm."""
+    """Warns of traced walls that are too thin for an artery. means (frames,): mean wall thickness in mm."""
     thin = [k for k, frame in enumerate(pull.frames) if frame.outer_wall is not None]
     thin = [k for k in thin if means[k] < plaque.THINNEST_WALL_MM]
     if thin:
@@ -164,7 +168,7 @@ def _warn_of_shadows(pull, frame_rings, kinds):
 
 
 def _document(pull, placement, lumen, plaque_summary):
-    """The content of contours.json (docs/design.md). plaque_summary: as _plaque() returns it."""
+    """The content of contours.json (docs/design.md). plaque_summary: summary from _plaque()."""
     rows = []
     for k, (frame, ring) in enumerate(zip(pull.frames, lumen["frame_rings"])):
         distance = plaque_summary["distance"][k] if "distance" in plaque_summary else np.array([np.nan])

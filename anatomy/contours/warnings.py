@@ -1,4 +1,4 @@
-"""Warnings of a readable pull-back that is probably in other units, turned round, of mixed phases, or damaged.
+"""Warnings about a pull-back that can be read, but probably has other units, another direction, mixed phases or damage.
 
 Each warning compares the pull-back with usual coronary arteries and catheters. None changes the result.
 """
@@ -8,27 +8,30 @@ import numpy as np
 from . import rings
 
 WIDENING_RATIO = (
-    1.1  # ratio of the distal third's diameter to that of the proximal third above which a warning is given
+    1.1  # a warning is given if the distal third's diameter is more than this many times the proximal third's
 )
-HEALTHY_PERCENTILE = 90  # of the diameters in a third, so that a lesion there does not count
-WIDEST_USUAL_MM, NARROWEST_USUAL_MM = 6.0, 1.2  # median diameter; mean radii of coronaries, even ectatic, are 0.6 to 3
-# Phases are mixed if areas alternate: by turns larger and smaller than the mean of their neighbours. The limits are
-# the share of frames that alternate, the median difference from this mean in per cent, and the number of frames. In
-# outlines of one phase three of four frames alternate; systole differs from diastole by 8 % and more.
+HEALTHY_PERCENTILE = 90  # percentile of a third's diameters that stands for it, so that a lesion in it does not count
+# Range of usual median diameters. Mean radii of coronary arteries, even of ectatic ones, are 0.6 to 3 mm.
+WIDEST_USUAL_MM, NARROWEST_USUAL_MM = 6.0, 1.2
+# Systole and diastole are mixed if areas alternate: by turns they are larger and smaller than the mean of their two
+# neighbours. The limits are the share of frames that alternate, the median difference from this mean in per cent, and
+# the number of frames. In outlines of one phase three of four frames alternate too. Systole differs from diastole by
+# 8 % and more.
 ALTERNATING_SHARE, PHASES_PERCENT, PHASES_FRAMES = 0.9, 5.0, 8
-SHORTEST_DIAMETERS = 2.0  # least length over the median diameter: a pull-back reaches over a lesion at least
-# An area changes suddenly if two frames within NEIGHBOUR_MM differ by more than a factor SUDDEN_RATIO; the warning
+SHORTEST_DIAMETERS = 2.0  # least usual length of a pull-back, in median diameters: it covers at least a lesion
+# A warning is given if two frames less than NEIGHBOUR_MM apart differ in area by more than a factor SUDDEN_RATIO. It
 # names MOST_NAMED places. In four real pull-backs with frames less than 1 mm apart the largest factors are 1.97 and
 # 1.62.
 NEIGHBOUR_MM, SUDDEN_RATIO, MOST_NAMED = 1.0, 2.0, 3
-OPEN_STEP_RATIO = 3.0  # ratio of an outline's longest step to the third longest; at most 1.3 in drawn and real outlines
+# Largest usual ratio of an outline's longest step to its third longest step. Drawn and real outlines have 1.3 at most.
+OPEN_STEP_RATIO = 3.0
 COUNTED_FRAMES = (
     8  # least number of frames for _frame_numbers_as_z: in fewer frames z may be whole millimetres by chance
 )
 
 
 def find_warnings(pull):
-    """List of warnings on a Pullback's width, length, units of z, direction, phases and single frames; mostly empty."""
+    """The warnings [str] on a Pullback's width, length, units of z, direction, phases and single frames."""
     areas = np.array([rings.area_mm2(frame.lumen) for frame in pull.frames])
     sentences = [
         *_width(areas),
@@ -61,7 +64,7 @@ def _length(pull, areas):
 def _frame_numbers_as_z(pull):
     """Warns if the column z seems to hold frame numbers instead of millimetres.
 
-    Either z equals the frame's number, or z is whole and the frame column is not, so the columns may be exchanged.
+    Either z equals the frame's number. Or z is whole and the frame's number is not, so the columns may be exchanged.
     """
     if len(pull.frames) < COUNTED_FRAMES or not all(isinstance(frame.name, (int, float)) for frame in pull.frames):
         return
@@ -121,8 +124,9 @@ def _sudden_changes(pull, areas):
 def _open_outlines(pull):
     """Warns of outlines with a gap or a spike.
 
-    A gap is a single long step, a spike the two long steps to a point and back. Long means three times the third
-    longest step, and longer than the outline's own radius. A chord of that length cuts 3 % off a circle's area.
+    A gap is a single long step; a spike is two long steps, to a point and back. A step is long if it exceeds three
+    times the third longest step and the outline's own radius. A chord as long as the radius cuts 3 % off a circle's
+    area.
     """
     places = []
     for frame in pull.frames:
@@ -141,5 +145,5 @@ def _open_outlines(pull):
 
 
 def _list_first(places):
-    """The first three of several places in words, and how many more there are."""
+    """The first MOST_NAMED of several places in words, and how many more there are."""
     return ", ".join(places[:MOST_NAMED]) + f" and {len(places) - MOST_NAMED} more" * (len(places) > MOST_NAMED)

@@ -10,12 +10,12 @@ REACH_MM, STEP_MM = 2.5, 0.05  # length and step of the ray behind the wall on w
 def plaque_behind(points, segmentation):
     """(thickness (n,) in mm, type (n,)) of the plaque behind points (n, 3) of the wall, in the image's coordinates.
 
-    The thickness is nan where there is no calcium: `lumen process` then estimates it from the narrowing. segmentation:
-    the dict that segment.segment() returns.
+    segmentation: the dict that segment.segment() returns. The thickness is nan where there is no calcium: `lumen
+    process` then estimates it from the narrowing.
 
-    Each point lies on a ray from the axis. There is calcium behind it if the nearest ray of the nearest section meets
-    calcium (edges.find_calcium_and_stents). The point spread blurs the outer edge of calcium. So calcium ends where the
-    CT number on the ray has fallen half-way from its peak to the tissue's.
+    Each point lies on a ray from the axis. There is calcium behind the point if the nearest ray of the nearest section
+    meets calcium (edges.find_calcium_and_stents). The point spread blurs the outer edge of calcium. So calcium ends
+    where the CT number on the ray has fallen half-way from its peak to the tissue's.
     """
     thickness, kind = np.full(len(points), np.nan), np.full(len(points), NONE)
     away, out, calcium = np.full(len(points), np.inf), np.zeros_like(points), np.zeros(len(points), bool)

@@ -1,4 +1,4 @@
-"""Reads the vessels' end points and checks that they lie in the volume, and the inlet in its contrast.
+"""Reads the end points of the vessels. Checks that they lie in the volume, and that the inlet lies in contrast.
 
 Messages state places in the user's coordinates.
 """
@@ -13,7 +13,7 @@ from common.errors import InputError
 from . import paths, volumes
 
 END_POINTS_REMEDY = "give the end points in mm, in the volume's own coordinates"
-CLOSEST_MM = 1.0  # between two end points; nearer points are one end given twice, since no vessel is shorter
+CLOSEST_MM = 1.0  # end points nearer to each other are one end given twice, since no vessel is shorter
 LEAST_BLOOD_HU = 100.0  # blood without contrast has 30 to 60 HU; coronary angiograms have 200 and more
 RAS_TO_LPS = np.array([-1.0, -1.0, 1.0])  # factors from right-anterior-superior to left-posterior-superior coordinates
 
@@ -38,8 +38,8 @@ def load_ends(path):
 def checked_ends(points, where):
     """Checked end points [(name, centre (3,))] from `points`, a list of (name, point) as the user gave them.
 
-    Raises InputError for fewer than two end points, and for a point that is not three finite numbers. It also raises
-    it for a name given twice, and for two points nearer than CLOSEST_MM.
+    where: the file or options that hold them, for messages. Raises InputError for fewer than two end points, a point
+    that is not three finite numbers, a name given twice, or two points nearer than CLOSEST_MM.
     """
     found = []
     if len(points) < 2:
@@ -91,7 +91,10 @@ def _hu(volume, point):
 
 
 def _ras_lps_hint(volume, point):
-    """Text to add to a remedy if the point would lie in contrast with x and y reversed; empty otherwise."""
+    """Text to add to a remedy if the point, with x and y negated, lies in contrast; otherwise empty.
+
+    Such a point is probably given in the convention of NIfTI for a DICOM volume, or the other way round.
+    """
     other = RAS_TO_LPS * point
     hu = _hu(volume, other)
     if hu is None or hu < LEAST_BLOOD_HU:

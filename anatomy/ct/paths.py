@@ -1,4 +1,4 @@
-"""Centrelines from the image and the end points alone: for each branch the cheapest path through the contrast."""
+"""Finds each branch's centreline from the image and the end points: the cheapest path through the contrast."""
 
 from dataclasses import dataclass
 
@@ -15,16 +15,17 @@ from common.implicit.curves import Curve
 SEED_RADIUS_MM = 0.6  # radius of the ball in which the blood's CT number is averaged
 # Shares of the blood's CT number: above the first a path may cross a voxel, above the second the voxel is lumen.
 PASSABLE_SHARE, LUMEN_SHARE = 0.2, 0.5
-BRIGHT_RATIO = 1.15  # ratio to the brightest end's blood: calcium and metal are brighter
-LARGEST_BLOOD_RISE = 1.5  # largest ratio of the blood at another end to that at the inlet; brighter places are calcium
-SMOOTHING_MM = 0.15  # rms distance per coordinate of a smoothed axis from the voxels of its path
+BRIGHT_RATIO = 1.15  # voxels above this times the blood's CT number at the brightest end are calcium or metal
+LARGEST_BLOOD_RISE = 1.5  # blood at an end point is at most this times the inlet's; brighter points lie in calcium
+SMOOTHING_MM = 0.15  # rms distance, per coordinate, between a smoothed axis and the voxels of its path
 
 
 @dataclass
 class Line:
-    """Axis of one branch. parent: index of the branch that it leaves (-1: none). end: index of its end point.
+    """Axis of one branch.
 
-    blood: CT number of the blood along the axis (blood.Trend); None as long as it is not known.
+    parent: index of the branch that it leaves, -1 for the main vessel. end: index of its end point. blood: CT number of
+    the blood along the axis (blood.Trend); None as long as it is not known.
     """
 
     axis: Curve
@@ -34,7 +35,7 @@ class Line:
 
 
 def blood_hu(image, inlet_mm):
-    """CT number of the blood: mean over the voxels within 0.6 mm of a point (3,) in mm, such as the inlet's."""
+    """CT number of the blood at a point (3,) in mm such as the inlet: mean over the voxels within 0.6 mm of it."""
     reach = np.ceil(SEED_RADIUS_MM / image.spacing_mm).astype(int)
     index, _ = image.index(inlet_mm)
     box = tuple(slice(max(i - r, 0), i + r + 1) for i, r in zip(index, reach))
@@ -46,7 +47,8 @@ def blood_hu(image, inlet_mm):
 def _graph(cost, spacing_mm):
     """(graph as a sparse matrix, flat indices (n,) of its cells) over the voxels of finite cost.
 
-    It joins each voxel to its 26 neighbours. An edge's weight is the distance in mm times the mean cost of both.
+    The graph joins each voxel to its 26 neighbours. An edge's weight is its length in mm times the mean cost of its two
+    voxels.
     """
     number = np.full(cost.shape, -1)
     cells = np.flatnonzero(np.isfinite(cost))
@@ -69,9 +71,10 @@ def _graph(cost, spacing_mm):
 def find_branches(image, ends):
     """[Line] of all branches, the main vessel first. ends: [(name, centre (3,) mm)] within the image, the inlet first.
 
-    A path's cost per mm is about 1 / (distance from the lumen's edge)^2 where the CT number is above half the blood's.
-    It is high in darker voxels and in calcium. Voxels below a fifth of the blood's CT number cannot be crossed. Raises
-    InputError for an end point that is not in a vessel, ComputationError if an end cannot be reached.
+    A path should keep to the middle of the vessel. So where the CT number is above half the blood's, its cost per mm is
+    about 1 / (distance from the lumen's edge)^2. The cost is high in darker voxels and in calcium. Voxels below a fifth
+    of the blood's CT number cannot be crossed. Raises InputError for an end point that is not in a vessel, and
+    ComputationError if an end cannot be reached.
     """
     blood = blood_hu(image, ends[0][1])
     top = min(max(blood_hu(image, centre) for _, centre in ends), LARGEST_BLOOD_RISE * blood)
@@ -145,7 +148,7 @@ def smooth_curve(points, spread_mm=SMOOTHING_MM):
 def _branches(chains, centres):
     """[Line] from chains of voxel centres, which all begin at the inlet. The longest one becomes the main vessel.
 
-    The others become branches that begin on their parent's axis. centres: the end points, the inlet first.
+    Each other chain becomes a branch that begins on its parent's axis. centres: the end points, the inlet first.
     """
     order = np.argsort([-_length(chain) for chain in chains], kind="stable")
     lines, raw = [], []

@@ -1,4 +1,4 @@
-"""Warns of blood at the image's highest CT number: a display's window has cut off higher values."""
+"""Warns of blood at the image's highest CT number: then a display's window has cut off higher values."""
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -6,9 +6,9 @@ from scipy.ndimage import uniform_filter1d
 from . import warnings
 
 # Blood counts as cut off if more than LEAST_SHARE of the axis points within STRETCH_MM have the image's highest CT
-# number. In noisy blood that no window has cut off, hardly a voxel has it.
+# number. Without such a cut, noise lets hardly a voxel reach the highest number.
 STRETCH_MM, LEAST_SHARE = 5.0, 0.5
-SAME_HU = 1.0  # below the highest: resampling an image after the cut lowers some voxels a little
+SAME_HU = 1.0  # voxels this little below the highest number count too: resampling after the cut lowers some
 
 
 def find_warnings(image, tubes):

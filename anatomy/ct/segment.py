@@ -20,14 +20,14 @@ from .tubes import LevelField, Tube, TubeField
 
 SCHEMA = "vci-segmentation-1"
 CENTRING_ROUNDS = 3  # rounds in which an axis is centred on its sections
-FEW_RAYS = 8  # rays: enough to sample the blood near the axis
+FEW_RAYS = 8  # number of rays that suffices to sample the blood near the axis
 USUAL_FWHM_MM = 0.7  # point spread that is assumed if the image does not show it
-# Largest distance from the end of a user's line to the outlet's point. Both are picked by hand, so it is about the
-# vessel's radius.
+# Largest distance from the end of a user's line to the outlet's point. Both are picked by hand within the vessel, so
+# they may differ by about its radius.
 FARTHEST_END_MM = 2.0
-FEWEST_OWN_SECTIONS = 5  # sections of a branch outside its parent that its radii need
+FEWEST_OWN_SECTIONS = 5  # a branch needs this many sections outside its parent for radii of its own
 LEAST_CONTRAST = 6.0  # contrast of blood and wall over noise; below it radii are off by 0.2 mm and ends may not close
-MARGIN_MM = 30.0  # of the volume that is used round the end points, since vessels bow out between them
+MARGIN_MM = 30.0  # the volume is cropped this far round the end points, since vessels bow out between them
 
 
 def run(image_path, ends, out, settings_path=None, centreline_path=None, series=None, stented=False):
@@ -36,8 +36,8 @@ def run(image_path, ends, out, settings_path=None, centreline_path=None, series=
     image_path, series: as for volumes.read(). ends: [(name, centre (3,) in mm)], the inlet first, in the volume's own
     coordinates, which are also the surface's. settings_path: file with the section `ct`; None for the defaults.
     centreline_path: a .vtp whose lines tell which vessels are meant. Without it the centreline is found in the image.
-    Both are centred in the same way. stented: whether the vessels hold a stent. Raises InputError, or ComputationError
-    if the contrast is interrupted or too low.
+    Either centreline is then centred in the vessel. stented: whether the vessels hold a stent. Raises InputError, or
+    ComputationError if the contrast is interrupted or too low.
     """
     settings = config.load_section(settings_path, "ct")["segmentation"]
     volume = volumes.read(image_path, series)
@@ -65,7 +65,10 @@ def run(image_path, ends, out, settings_path=None, centreline_path=None, series=
 
 
 def _surface(segmentation, spacing_mm, volume):
-    """The result of surface.build() for the result of segment(). Its ComputationError tells what to change."""
+    """Closed surface of a segmentation, as surface.build() returns it.
+
+    segmentation: result of segment(). Raises ComputationError with the settings to change.
+    """
     try:
         return surface.build(segmentation["field"], spacing_mm)
     except ComputationError as error:
@@ -126,7 +129,7 @@ def segment(volume, ends, settings, user_lines=None, stented=False):
     main = blood_level.level_contrast(edges.sample(hu_at, lines[0].axis, spacing, rays), lines[0].blood, blood)
     _check_noise(main, float(np.median(lines[0].blood(main.s_mm))))
     measured = edges.point_spread(main, tubes[0].radii_mm, blood)
-    sigma = measured or np.hypot(USUAL_FWHM_MM * SIGMA_PER_FWHM, smoothing)  # the measured sigma includes the smoothing
+    sigma = measured or np.hypot(USUAL_FWHM_MM * SIGMA_PER_FWHM, smoothing)  # a measured sigma includes the smoothing
     if settings["psf_fwhm_mm"] != "auto":
         user_sigma = settings["psf_fwhm_mm"] * SIGMA_PER_FWHM
         sigma = np.sqrt(user_sigma**2 + smoothing**2 + np.mean(volume.spacing_mm**2) / 12)
@@ -188,14 +191,20 @@ def _check_noise(profiles, blood):
 
 
 def _set_main_blood(hu_at, main, spacing_mm, rays):
-    """Sets the blood's trend of the main vessel's Line. Returns its median: the CT number that stands for the blood."""
+    """Sets the blood's trend of the main vessel's Line.
+
+    Returns the median of the trend, which stands for the blood of all vessels.
+    """
     profiles = edges.sample(hu_at, main.axis, spacing_mm, rays)
     main.blood = blood_level.first_trend(profiles)
     return float(np.median(main.blood(profiles.s_mm)))
 
 
 def _first_tubes(hu_at, lines, blood, spacing_mm, rays, stented):
-    """[Tube] of all lines, by half maximum. Meanwhile each Line's axis is centred, and its blood's trend is set."""
+    """[Tube] of all lines, by half maximum.
+
+    On the way each Line's axis is centred in the vessel, and its blood's trend is set.
+    """
     tubes = []
     for line in lines:
         parent = tubes[line.parent] if tubes else None
@@ -242,7 +251,8 @@ def _measure_tube(hu_at, line, parent, method, blood, sigma_mm, spacing_mm, rays
             raise ComputationError(
                 "a branch hardly leaves its parent", f"outlet {line.end} of those given", value, remedy
             )
-        # The radii are found again from the sections outside the parent alone, so that no filter mixes in others.
+        # The radii are found again from the sections outside the parent alone. Otherwise the filter along the axis
+        # would mix in sections that show the parent.
         own, own_bad = edges.find_edges(profiles.sections_from(inside), method, blood, sigma_mm, stented)
         radii = np.concatenate([np.repeat(own[:1], inside, axis=0), own])
         bad = np.concatenate([np.ones((inside, rays), bool), own_bad])
@@ -251,11 +261,11 @@ def _measure_tube(hu_at, line, parent, method, blood, sigma_mm, spacing_mm, rays
 
 
 def _count_sections_within_parent(axis, s_mm, parent):
-    """Number of sections at a branch's start whose rays would run into its parent; all if it never leaves that."""
+    """Number of sections at a branch's start whose rays would run into its parent; all if it does not leave it."""
     points = axis.point(s_mm)
     on_parent = parent.axis.nearest(points)
     away = np.linalg.norm(points - parent.axis.point(on_parent), axis=1)
-    # A section is clear of the parent if its own disc would be, with a usual branching angle and radius.
+    # A section is clear of the parent if its whole disc is. The factor stands for a usual branching angle and radius.
     clear = away > 1.35 * parent.radius(on_parent) + 0.3
     return int(np.argmax(clear)) if clear.any() else len(s_mm)
 

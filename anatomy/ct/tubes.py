@@ -10,8 +10,8 @@ from common.implicit.field import NARROW_BAND_MM, LumenField
 class Tube:
     """A branch whose radius depends on arc length and angle.
 
-    parent: name of the branch that it leaves, or None. axis: Curve. radii_mm: (n, m) at arc lengths s_mm (n,) and
-    angles theta (m,) in radians. LumenField can use it like a branch of a synthetic tree.
+    parent: name of the branch that it leaves, or None. axis: Curve. radii_mm (n, m): radii at arc lengths s_mm (n,) and
+    angles theta (m,) in radians. It has the attributes by which LumenField uses a branch of a synthetic tree.
     """
 
     def __init__(self, parent, axis, s_mm, theta, radii_mm):
@@ -49,13 +49,16 @@ class TubeField(LumenField):
 
 
 class LevelField(LumenField):
-    """The image's own level set near the tubes' axes: (level - HU) over a typical slope, roughly a distance in mm."""
+    """The surface of one CT number in the image, near the tubes' axes, as an implicit field.
+
+    The value (level - HU) over a typical slope is roughly a distance in mm.
+    """
 
     def __init__(self, branches, hu_at, level_hu, slope_hu_per_mm, levels=None):
         """hu_at: function of points (n, 3) that gives the image's HU. slope_hu_per_mm: usual fall of HU at the wall.
 
-        levels: for each branch the level (n,) in HU at its sections, if the level follows the blood's CT number along
-        the branch; None if level_hu holds everywhere.
+        levels: for each branch the level (n,) in HU at its sections. It is needed if the level follows the blood's CT
+        number along the branch; with None, level_hu holds everywhere.
         """
         super().__init__(branches)
         self._hu_at, self._level, self._slope = hu_at, level_hu, slope_hu_per_mm

@@ -10,11 +10,11 @@ import pydicom
 from common.errors import InputError
 from common.volume import Image
 
-LARGEST_SKEW = 1e-3  # largest cosine between two voxel axes: 0.2 mm over a heart; with a tilted gantry it is far larger
-LARGEST_UNEVENNESS = 0.25  # largest error of a slice's place over the slices' distance; rounding to 0.1 mm causes less
-SAME_PLACE_MM, HEADER_TOLERANCE = 1e-3, 1e-3  # differences by rounding in a header: of places; of directions and sizes
-FEWEST_SLICES = 10  # of a series with a vessel; scouts and dose reports have fewer
-AIR_AND_FAT_HU = 0.0  # round any heart at least a hundredth of the voxels, air and fat, are darker than water
+LARGEST_SKEW = 1e-3  # largest cosine between two voxel axes: 0.2 mm over a heart; a tilted gantry gives far more
+LARGEST_UNEVENNESS = 0.25  # largest error of a slice's place, in slice distances; rounding to 0.1 mm causes less
+SAME_PLACE_MM, HEADER_TOLERANCE = 1e-3, 1e-3  # a header's rounding errors: of places (mm); of directions and sizes
+FEWEST_SLICES = 10  # a series that shows a vessel has this many; scouts and dose reports have fewer
+AIR_AND_FAT_HU = 0.0  # at least a hundredth of the voxels round any heart, air and fat, are darker than this
 AIR_HU = -1024.0  # the lowest CT number that scanners give
 FRAMES_HINT = "right-anterior-superior for NIfTI, left-posterior-superior for DICOM: x and y change sign between them"
 MM_PER_UNIT = {"meter": 1000.0, "mm": 1.0, "micron": 0.001, "unknown": 1.0}
@@ -24,7 +24,7 @@ MM_PER_UNIT = {"meter": 1000.0, "mm": 1.0, "micron": 0.001, "unknown": 1.0}
 class Volume:
     """A CT volume: an Image, whose coordinates run along its own voxel axes, and its orientation in the patient.
 
-    rotation: (3, 3), patient's coordinates = rotation @ image's coordinates, both in mm.
+    rotation (3, 3): turns the image's coordinates into the patient's, both in mm: patient = rotation @ image.
     """
 
     image: Image
@@ -66,9 +66,9 @@ def read(path, series=None):
 
 
 def _without_padding(values):
-    """The values (k,) or (nx, ny, nz) without those of a padding, which fills corners and margins with one number.
+    """The values without padding, which fills corners and margins with one number: (k,), or unchanged (nx, ny, nz).
 
-    The lowest value counts as padding unless it may be air's, from AIR_HU to AIR_AND_FAT_HU.
+    The lowest value counts as padding, unless it lies between AIR_HU and AIR_AND_FAT_HU: then it may be air.
     """
     lowest = values.min()
     inside = values[values > lowest]
@@ -95,11 +95,11 @@ def _align_to_axes(values, affine, path):
     turned = nibabel.orientations.apply_orientation(values, order)
     affine = affine @ nibabel.orientations.inv_ornt_aff(order, values.shape)
     spacing = np.linalg.norm(affine[:3, :3], axis=0)
-    rotation = np.linalg.qr(affine[:3, :3] / spacing)[0]  # an exact rotation near the axes, which may be negated
+    rotation = np.linalg.qr(affine[:3, :3] / spacing)[0]  # exact rotation; columns may be negated
     rotation *= np.sign((rotation * affine[:3, :3]).sum(axis=0))
     if np.abs(rotation - np.eye(3)).max() < 1e-4:
         rotation = np.eye(3)
-    # rounded to a nanometre, since the header's 32-bit numbers are less exact
+    # Rounded to a nanometre, since the header's 32-bit numbers are no more exact.
     origin = np.round(rotation.T @ affine[:3, 3], 6)
     return Volume(Image(np.ascontiguousarray(turned), origin, np.round(spacing, 6)), rotation)
 
@@ -164,7 +164,7 @@ def _read_dicom(folder, series_uid):
 
 
 def _stack_slices(slices, folder):
-    """As _read_dicom(), from the [(file, header)] of one series."""
+    """The values and affine of one series, as _read_dicom() returns them. slices: [(file, header)]."""
     heads = [head for _, head in slices]
     if heads[0].get("Modality") != "CT":
         value = f"modality {heads[0].get('Modality')}"
@@ -204,6 +204,6 @@ def _pixels(file):
     image = pydicom.dcmread(file)
     try:
         values = image.pixel_array.astype(np.float32)
-    except Exception as error:  # pydicom's decoders raise whatever their libraries do
+    except Exception as error:  # pydicom's decoders raise whatever errors their libraries raise
         raise InputError("the image cannot be decoded", file, error, "decompress it (gdcmconv --raw)") from error
     return values * np.float32(image.get("RescaleSlope", 1)) + np.float32(image.get("RescaleIntercept", 0))

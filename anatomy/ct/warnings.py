@@ -5,28 +5,30 @@ from scipy.spatial import cKDTree
 
 from .rays.edges import HEALTHY_WALL_HU
 
-BLOOMING_MM = 1.0  # beyond the lumen's edge: nearer bright places affect the edge by blooming
-CLOSE_CALCIUM_MM = 0.3  # nearer calcium gave areas of 0.94 to 1.20 of the true ones, farther calcium 0.85 to 1.02
+BLOOMING_MM = 1.0  # bright places within this distance beyond the lumen's edge move the edge by blooming
+# Calcium nearer to the lumen than this gave areas of 0.94 to 1.20 of the true ones, farther calcium 0.85 to 1.02.
+CLOSE_CALCIUM_MM = 0.3
 CALCIUM_RAY_SHARE, STENT_RAY_SHARE = (
-    0.05,
-    0.8,
-)  # shares of rays with calcium: for a warning; from which it may be a stent
+    0.05,  # share of a section's rays with calcium above which a warning is given
+    0.8,  # share above which the warning says that it may be a stent
+)
 LARGEST_GAP_MM = 2.5  # bright stretches nearer to each other are one
-DOUBTFUL_CONTRAST = 10.0  # contrast over noise: at 10 radii were off by up to 0.06 mm, at 6 by 0.15 mm
-LOW_BLOOD_HU = 250.0  # with darker blood a wall 30 HU off the assumed 50 HU changes the contrast by 15 % and more
+# A warning is given below this contrast over noise. At 10 radii were off by up to 0.06 mm, at 6 by 0.15 mm.
+DOUBTFUL_CONTRAST = 10.0
+LOW_BLOOD_HU = 250.0  # in darker blood a wall 30 HU off the assumed 50 HU changes the contrast by 15 % or more
 END_LENGTH_MM, WIDENING_RATIO = (
-    3.0,
-    1.1,
-)  # length of an end; ratio of the last end's radius to the first end's for a warning
+    3.0,  # length of the stretch at each end over which the radius is averaged
+    1.1,  # ratio of the radii, far end over inlet, above which a warning is given
+)
 
 
 def find_warnings(lines, tubes, profiles, bright, ends, levels, settings, point_spread_assumed, stented):
     """[{code, branch, s_start_mm, s_end_mm, value, message}]: the warnings on a segmentation.
 
-    lines, tubes, profiles, bright: [paths.Line], [Tube], [Profiles] and [result of edges.find_calcium_and_stents()] of
-    the branches. ends: [(name, centre (3,) in mm)]. levels: (blood's CT number, its noise), HU. settings: the section
-    `segmentation`. point_spread_assumed: whether the image does not show it. stented: whether the user says that there
-    is a stent.
+    lines, tubes, profiles, bright: lists with an entry for each branch. The entries are paths.Line, Tube, Profiles and
+    the result of edges.find_calcium_and_stents(). ends: [(name, centre (3,) in mm)]. levels: (CT number of the blood,
+    noise), in HU. settings: the section `segmentation`. point_spread_assumed: whether the image does not show its point
+    spread. stented: whether the user says that there is a stent.
     """
     found, (blood_hu, noise_hu) = [], levels
     for line, tube, profile, places in zip(lines, tubes, profiles, bright):
@@ -64,7 +66,10 @@ def find_warnings(lines, tubes, profiles, bright, ends, levels, settings, point_
 
 
 def _bright_stretches(tube, profile, places, method, stented):
-    """[warning_entry] for stents, and for calcium whose blooming reaches the edge. They say which way the area errs."""
+    """[warning_entry] for stents, and for calcium whose blooming reaches the edge.
+
+    They say whether the area is too large or too small.
+    """
     calcium, radius, stent = places
     share = (calcium & (radius < tube.radii_mm + BLOOMING_MM)).mean(axis=1)
     found = []
@@ -133,7 +138,10 @@ def true_runs(flags):
 
 
 def warning_entry(code, tube, s_mm, value, message):
-    """A warning as segmentation.json holds it. s_mm: its (start, end). value: the figure that the warning is about."""
+    """A warning as an entry of segmentation.json.
+
+    s_mm: (start, end) of the place along the branch. value: the figure that the warning is about.
+    """
     start, end = float(s_mm[0]), float(s_mm[1])
     return {
         "code": code,
@@ -146,7 +154,10 @@ def warning_entry(code, tube, s_mm, value, message):
 
 
 def _close_pairs(lines, tubes):
-    """Warns of vessels within 0.3 mm of each other away from their branching, which may have merged in the image."""
+    """Warns of vessels within 0.3 mm of each other, since the image may have merged them.
+
+    Places near their branching do not count.
+    """
     found = []
     for i, first in enumerate(tubes):
         for j in range(i, len(tubes)):

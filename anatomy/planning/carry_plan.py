@@ -1,4 +1,4 @@
-"""Transfers a plan to another segmentation of the same lumen: same devices, pressures and places in space."""
+"""Transfers a plan to another segmentation of the same lumen: with the same devices, pressures and places in space."""
 
 import os
 
@@ -14,7 +14,8 @@ from ..lumen_results import read_sections
 def run(plan_file, from_folder, to_folder, out):
     """Writes the plan of `plan_file`, made for the anatomy `from_folder`, for the anatomy `to_folder`, into `out`.
 
-    Raises InputError if the file is no plan, or if the other lumen lacks a treated branch or has its axis elsewhere.
+    Raises InputError if the file is no plan. Raises it also if a treated branch is missing in the other lumen, or has
+    its axis elsewhere.
     """
     plan = plan_reader.read(plan_file)
     if "segment" not in plan:
@@ -34,11 +35,11 @@ def run(plan_file, from_folder, to_folder, out):
 
 
 def transferred_s_mm(branch, s_mm, before, after, where):
-    """Arc length in mm on a branch after the transfer: at the place nearest to s_mm on the same branch before.
+    """Arc length in mm, on a branch of the other anatomy, of the place at s_mm on the branch before.
 
-    before, after: sections of the two anatomies (lumen_results.read_sections). If s_mm is beyond the first or last
-    section, the distance beyond is kept. Raises InputError if the place is farther from the other axis than the
-    vessel's inscribed radius. where: the plan's file, for messages.
+    It is the place nearest in space. before, after: sections of the two anatomies (lumen_results.read_sections). If
+    s_mm is beyond the first or last section, the distance beyond is kept. Raises InputError if the place is farther
+    from the other axis than the vessel's inscribed radius. where: the plan's file, for messages.
     """
     if branch not in after:
         found = ", ".join(after)

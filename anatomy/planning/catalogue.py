@@ -1,4 +1,4 @@
-"""Entries of scene.json for a device of the catalogue at one size (docs/design.md)."""
+"""Makes the entries of scene.json for a device of the catalogue at one size (docs/design.md)."""
 
 import math
 
@@ -62,7 +62,7 @@ def diameter_at(balloon, pressure_bar):
 
 
 def pressure_for(balloon, diameter_mm, largest_mm=math.inf):
-    """Pressure in whole bars at which a sized balloon is nearest to diameter_mm, and not wider than largest_mm.
+    """Pressure in whole bars that opens a sized balloon nearest to diameter_mm, and not beyond largest_mm.
 
     It is limited to the range from the balloon's nominal to its rated burst pressure.
     """

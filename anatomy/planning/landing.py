@@ -19,16 +19,19 @@ import numpy as np
 from common.errors import InputError
 
 MARGIN_MM = 2.0  # least length of stent beyond the stretch
-SEARCH_MM = 5.0  # distance from the stretch within which the landing zone is searched
-SIMILAR_PERCENT = 5  # of the diameter, by which a landing zone may differ from the most normal lumen
-OVERLAP_MM = 2.5  # of two stents in a row, so that there is no gap between them
-STEP_MM = 0.5  # between the places that are tried
+SEARCH_MM = 5.0  # the most normal lumen is sought up to this distance beyond the stretch
+SIMILAR_PERCENT = 5  # percentage points by which an end may be farther off the reference than the best place
+OVERLAP_MM = 2.5  # length over which two stents in a row overlap, so that no gap opens between them
+STEP_MM = 0.5  # distance between the places that are tried
 MOST_STENTS = 3  # three of 38 mm cover a whole left anterior descending artery; more is the operator's decision
 
 
 @dataclasses.dataclass
 class Span:
-    """One stent's place in mm: arc length of its proximal end (`start`), and its `length` in the catalogue."""
+    """One stent's place along its branch, in mm.
+
+    start: arc length of the proximal end. length: the stent's length in the catalogue.
+    """
 
     start: float
     length: float
@@ -47,7 +50,7 @@ class Span:
 def stent_spans(target, lengths, where, fewest=1):
     """[Span] of the stents that cover a targets.Target, the distal one first; at least `fewest` stents.
 
-    It is one stent if the catalogue's `lengths` (mm) suffice, else several of about equal length that overlap by
+    One stent is used if the catalogue's `lengths` (mm) suffice. Otherwise several of about equal length overlap by
     OVERLAP_MM. where: the plan's place, for messages. Raises InputError if they cannot be placed.
     """
     window = _edge_ranges(target, where)
@@ -78,7 +81,8 @@ def stent_spans(target, lengths, where, fewest=1):
 def _edge_ranges(target, where):
     """((nearest, farthest) start, (nearest, farthest) end) of the stented length, as arc lengths in mm.
 
-    The nearest are MARGIN_MM beyond the target's stretch, the farthest SEARCH_MM, both limited to where stents may lie.
+    The nearest places are MARGIN_MM beyond the target's stretch, the farthest SEARCH_MM. Both are limited to where
+    stents may lie (Profile.limits_mm).
     """
     lowest, highest = target.profile.limits_mm
     if not lowest <= target.s_mla <= highest:
@@ -106,10 +110,13 @@ def _length_combinations(lengths, count):
 def _candidate_places(profile, window, row):
     """[(cost, start, row)] of a row of stents at every place where it covers the stretch and stays in the branch.
 
-    row: lengths (mm) of the stents. window: as _edge_ranges() returns it. start: arc length (mm) of the proximal end.
-    cost: a tuple, of which the smallest is best. Its first items are the length beyond the farthest ends, in steps, and
-    the number of ends in side branches' mouths. The others are the difference from the most normal lumen beyond
-    SIMILAR_PERCENT, the total length, and the distance from the middle.
+    row: lengths (mm) of the stents. window: result of _edge_ranges(). start: arc length (mm) of the proximal end. cost:
+    a tuple; the smallest is best, and earlier items count first. Its items are
+
+    - the length beyond the farthest places for the ends, in steps;
+    - the number of ends in side branches' mouths;
+    - how much less normal an end lies than SIMILAR_PERCENT allows, in percentage points;
+    - the total length, and the distance from the middle of the window.
     """
     (start_near, start_far), (end_near, end_far) = window
     total = sum(row) - OVERLAP_MM * (len(row) - 1)
@@ -138,9 +145,9 @@ def _candidate_places(profile, window, row):
 
 
 def _most_normal(profile, near, far):
-    """Least difference (per cent by diameter) of the lumen from the reference, at the places from near to far.
+    """Least difference (per cent by diameter) of the lumen from the reference, at places from near to far.
 
-    Places in side branches' mouths do not count; 0 if all are in mouths.
+    Places in side branches' mouths do not count. If all places are in mouths, the result is 0.
     """
     steps = np.append(np.arange(min(near, far), max(near, far), STEP_MM), max(near, far))
     return min((profile.deviation_percent(at) for at in steps if profile.mouth_at(at) is None), default=0.0)

@@ -1,10 +1,12 @@
 """Healthy diameters of a vessel with a known outer wall: the lumen plus its plaque.
 
-Intravascular contours with an outer wall give the plaque's thickness beyond a healthy wall. The lumen's diameter plus
-twice the mean thickness round a section is the diameter that the vessel would have without plaque. This is the
-reference. A line fitted through the diameters would be too small in diffuse disease, where all diameters are diseased.
-Where the wall was not traced, lumen.vtp has a thickness estimated from the narrowing. The reference there is that of
-the healthy profile, or the lumen's own diameter if that is larger.
+Intravascular contours with an outer wall give the plaque's thickness beyond a healthy wall. Twice its mean round a
+section, added to the lumen's diameter, gives the diameter that the vessel would have without plaque. This is the
+reference. A line fitted through the lumen's diameters would be too small in diffuse disease, where no diameter is
+healthy.
+
+Where the wall was not traced, lumen.vtp has a thickness that was estimated from the narrowing. The reference there is
+the diameter of the healthy profile, or the lumen's own diameter if that is larger.
 """
 
 import numpy as np
@@ -22,9 +24,10 @@ def has_traced_wall(case):
 
 
 def with_lumen_and_plaque_reference(sections, lumen_file):
-    """The sections (as of lumen_results.read_sections) with reference_diameter_mm replaced by that of lumen and plaque.
+    """The sections with each reference_diameter_mm replaced by the diameter of lumen and plaque together.
 
-    lumen_file: lumen.vtp, which has the plaque's thickness at its points.
+    sections: result of lumen_results.read_sections(). lumen_file: lumen.vtp, which has the plaque's thickness at its
+    points.
     """
     data = vtp.read(lumen_file, "run `lumen process` first")
     points, triangles = vtp.points_and_triangles(data)

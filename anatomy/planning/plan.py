@@ -1,4 +1,4 @@
-"""The case's plan with complete devices: plan.json, which is scene.json without wall and numerics."""
+"""Completes the devices of a case's plan and writes plan.json, which is scene.json without wall and numerics."""
 
 import os
 import sys
@@ -52,10 +52,10 @@ def run(case_file, anatomy_folder, devices_folder, out):
 
 
 def reference_document(summary, proposed, by_outer_wall):
-    """The plan's `reference` as a dict: the source of the vessel's healthy size, and the treated lesions by it.
+    """The plan's `reference` as a dict: the source of the vessel's healthy size, and the lesions measured by it.
 
-    Its anatomy_percent is the stenosis of the same lesion in anatomy.json, by the healthy profile through the lumen.
-    proposed: the Proposal. by_outer_wall: whether the size comes from the traced outer wall.
+    anatomy_percent is the stenosis of the same lesion in anatomy.json, where the healthy profile through the lumen is
+    the reference. proposed: the Proposal. by_outer_wall: whether the size comes from the traced outer wall.
     """
     lesions = [
         {
@@ -71,7 +71,10 @@ def reference_document(summary, proposed, by_outer_wall):
 
 
 def mean_arterial_pressure_pa(patient):
-    """Mean arterial pressure in Pa: diastolic plus 0.4 of the pulse pressure. patient: with sbp_mmhg, dbp_mmhg."""
+    """Mean arterial pressure in Pa: diastolic plus 0.4 of the pulse pressure.
+
+    patient: dict with sbp_mmhg and dbp_mmhg.
+    """
     systolic, diastolic = patient["sbp_mmhg"], patient["dbp_mmhg"]
     return round((0.4 * (systolic - diastolic) + diastolic) * PASCAL_PER_MMHG, 3)
 
@@ -79,8 +82,8 @@ def mean_arterial_pressure_pa(patient):
 def procedure(steps, families, summary, where):
     """{segment, devices, procedure} of plan.json for a plan's steps in a measured lumen.
 
-    steps: as in a case file. families: {name: document} of config/devices. summary: document of anatomy.json. where:
-    the case file, for messages. Raises InputError if a device or pressure does not fit.
+    steps: the steps as a case file lists them. families: {name: document} of config/devices. summary: document of
+    anatomy.json. where: the case file, for messages. Raises InputError if a device or pressure does not fit.
     """
     devices, resolved, stents, action_counts = {}, [], [], {}
     for i, step in enumerate(steps):
@@ -115,13 +118,17 @@ def _check_device_kind(action, kind, where):
 
 
 def _placed_device(request, summary, where):
-    """A device of a step as plan.json has it, by the lesion or the place that is requested. Raises InputError."""
+    """The entry of plan.json for a requested device, placed by its lesion or by its branch and centre_s_mm.
+
+    Raises InputError.
+    """
     lesion = lesion_numbered(summary, request["lesion"], where) if "lesion" in request else None
     name = lesion["branch"] if lesion else request["branch"]
     branch = branch_named(summary, name, where)
     centre = round(0.5 * (lesion["s_start_mm"] + lesion["s_end_mm"]), 3) if lesion else request["centre_s_mm"]
     half = request["length_mm"] / 2
-    # a side branch's axis continues through its parent to the inlet, and a device may start there (culotte, kissing)
+    # A side branch's axis continues through its parent to the inlet, at negative arc lengths. A device may start there
+    # (culotte, kissing balloons).
     before = branch.get("s_on_parent_mm") or 0
     if centre - half < -before or centre + half > branch["length_mm"]:
         raise InputError(
@@ -156,9 +163,10 @@ def _check_pressure(request, sized, families, where):
 
 
 def _check_overexpansion(device, request, sized, families, stents, where):
-    """Raises InputError if a stent's balloon opens this stent beyond its design, or another balloon an earlier stent.
+    """Raises InputError if a stent would be opened beyond its design.
 
-    stents: [(placed device, entry)] of the stents so far.
+    The balloon of a step opens the stent that it carries, or otherwise the earlier stents that it overlaps. stents:
+    [(placed device, entry)] of the stents so far.
     """
     diameter = catalogue.diameter_at(_inflating_balloon(request, sized, families), request["pressure_bar"])
     if families[request["device"]]["kind"] == "stent":
@@ -183,9 +191,10 @@ def _overlap(a, length_a, b, length_b):
 
 
 def _treated_segment(steps, devices, stents):
-    """The treated segment: branch of the first stent, and extent (mm) of all stents on it; of balloons without stents.
+    """The treated segment: the branch of the first stent, and the extent (mm) of all stents on this branch.
 
-    A part that protrudes into the parent is left out, since the branch has no sections there.
+    In a plan without stents the balloons count instead. A part that protrudes into the parent is left out, since the
+    branch has no sections there.
     """
     placed = [device for device, _ in stents] or [device for step in steps for device in step["devices"]]
     branch = placed[0]["branch"]

@@ -12,16 +12,16 @@ from .plan import HEALTHY_PROFILE, OUTER_WALL
 from .profile import Profile
 
 WIDTH_INCHES, HEIGHT_INCHES, LANE_INCHES = (
-    11,
-    4.2,
-    0.32,
-)  # inches: of the picture, of a branch's diameters, of one device
+    11,  # width of the picture
+    4.2,  # height of the plot of a branch's diameters
+    0.32,  # height of the line of one device above the plot
+)
 
 
 def run(anatomy_folder, plan_file, out):
     """Writes the picture to the path `out` (.png or .svg).
 
-    anatomy_folder: made by `lumen process`. plan_file: plan.json for its lumen.
+    anatomy_folder: folder made by `lumen process`. plan_file: plan.json for the lumen of this folder.
     """
     picture_file.check_format(out)
     summary, sections, plan = read_summary(anatomy_folder), read_sections(anatomy_folder), plan_reader.read(plan_file)
@@ -40,7 +40,7 @@ def run(anatomy_folder, plan_file, out):
 
 
 def _devices_by_branch(plan):
-    """{branch: [(label, start, end, diameter at the device's pressure, kind)]} of a plan's devices, lengths in mm."""
+    """{branch: [(label, start, end, diameter at the device's pressure, kind)]} of a plan's devices; lengths in mm."""
     found = {}
     for step in plan["procedure"]:
         for device in step["devices"]:

@@ -5,18 +5,20 @@ import numpy as np
 from common.errors import InputError
 
 REFERENCE_LENGTH_MM = 2.0  # length beyond a device's end over which its reference lumen is averaged
-CAP_MARGIN_MM = 1.5  # least distance of a device from a cap; nearer sections would cut the cap
+CAP_MARGIN_MM = 1.5  # least distance of a device from a cap: sections nearer to it would cut the cap
 LANDING_HALF_MM = 0.5  # half the length of the landing zone round a stent's end
-NORMAL_RANGE = (0.85, 1.05)  # of the vessel's reference: a lumen within this range shows the vessel's healthy size
+NORMAL_RANGE = (0.85, 1.05)  # limits of a lumen that shows the vessel's healthy size, as shares of the reference
 
 
 class Profile:
-    """Sections of one branch: s, diameter, reference (n,) in mm; stenosis (n,) in per cent by diameter.
+    """The lumen along one branch, by its sections.
 
-    The stenosis is negative where the lumen is wider than the reference. Arc lengths of a side branch count from its
-    parent's axis; its first section is outside the parent's lumen.
-    measured: (n,) of bool, sections away from the ends. usable: (n,) of bool, those of them outside the mouths of side
-    branches. mouths: {side branch: (s_low, s_high) in mm}. limits_mm: (s_low, s_high) between which a stent may be
+    s, diameter, reference (n,): arc length, diameter and healthy diameter in mm. stenosis (n,): per cent by diameter,
+    negative where the lumen is wider than the reference. Arc lengths of a side branch count from its parent's axis; its
+    first section is outside the parent's lumen.
+
+    measured (n,): whether a section is away from the ends. usable (n,): whether it is so, and outside the mouths of
+    side branches. mouths: {side branch: (s_low, s_high) in mm}. limits_mm: (s_low, s_high) between which a stent may be
     placed. is_side_branch: whether the branch leaves another one; otherwise it begins at a cut end of the vessel.
     """
 
@@ -45,7 +47,7 @@ class Profile:
         return np.interp(s_mm, self.s, self.stenosis)
 
     def reference_at(self, s_mm):
-        """Reference diameter (mm), that of the healthy vessel, at arc length s_mm."""
+        """Healthy diameter (mm) of the vessel at arc length s_mm."""
         return float(np.interp(s_mm, self.s, self.reference))
 
     def deviation_percent(self, s_mm):
@@ -57,11 +59,12 @@ class Profile:
         return next((name for name, (low, high) in self.mouths.items() if low < s_mm < high), None)
 
     def reference_lumen_mm(self, s_mm, direction):
-        """Diameter (mm) of the reference lumen at a device's end at s_mm. direction: -1 proximal end, 1 distal end.
+        """Diameter (mm) of the lumen that sizes a device, at the device's end at s_mm.
 
-        It is the mean over the usable sections within REFERENCE_LENGTH_MM beyond the end, else that of the nearest
-        usable section. A diffusely diseased or dilated lumen does not show the vessel's size. So the result is limited
-        to the range NORMAL_RANGE of the healthy reference.
+        direction: -1 for the proximal end, 1 for the distal end. The diameter is averaged over the usable sections
+        within REFERENCE_LENGTH_MM beyond the end. Without such sections the nearest usable one counts. A diffusely
+        diseased or dilated lumen does not show the vessel's size. So the result is limited to the range NORMAL_RANGE of
+        the healthy reference.
         """
         beyond = direction * (self.s - s_mm)
         chosen = self.usable & (beyond >= 0) & (beyond <= REFERENCE_LENGTH_MM)

@@ -13,14 +13,15 @@ from . import landing, sizing, targets
 from .profile import Profile
 
 CULPRIT, ALL = "culprit", "all"
-LEAST_GAP_MM = 3.0  # least length of lumen between two stents; with less they are planned as one row
+LEAST_GAP_MM = 3.0  # least length of bare lumen between two stents; nearer ones are planned as one row
 
 
 @dataclasses.dataclass
 class Treatment:
-    """A target (targets.Target) with its stents [sizing.Stent], the distal one first; or with a balloon alone.
+    """A targets.Target and the devices that treat it: stents, or a balloon alone.
 
-    balloon: the balloon's step, if there is no stent. no_stent_error: the InputError that tells why no stent fits.
+    stents: [sizing.Stent], the distal one first. balloon: the plan's step of the balloon, if there is no stent.
+    no_stent_error: the InputError that tells why no stent fits.
     """
 
     target: object
@@ -36,8 +37,9 @@ class Treatment:
 
 @dataclasses.dataclass
 class Proposal:
-    """A proposed plan. steps: as in a case file, placed by centre_s_mm. treatments: [Treatment], the most severe first.
+    """A proposed plan.
 
+    steps: the steps as a case file lists them, placed by centre_s_mm. treatments: [Treatment], the most severe first.
     untreatable: [(Target, InputError that tells why it cannot be treated)].
     """
 
@@ -121,9 +123,9 @@ def _mild_lesion_error(target, where, treat, least_percent):
 
 
 def _add_balloons(treatments, untreatable, families, where):
-    """(treatments, untreatable) after adding a balloon alone for each lesion in a vessel that no stent is made for.
+    """(treatments, untreatable) after lesions without a fitting stent got a balloon alone, if one fits.
 
-    treatments: the most severe first.
+    treatments: the most severe first. untreatable: [(Target, InputError)].
     """
     done, left = list(treatments), []
     for target, error in untreatable:
@@ -176,9 +178,9 @@ def _join_short_gaps(treatments, families, where):
 
 
 def _in_treatment_order(treatments):
-    """[Treatment] in their order: the branch with the worst lesion first, on a branch the distal target first.
+    """[Treatment] in the order of treatment. No device then has to pass a stent.
 
-    So no device has to pass a stent.
+    The branch with the worst lesion comes first. On a branch the distal target comes first.
     """
     branches = list(dict.fromkeys(one.target.profile.branch for one in treatments))
     return sorted(treatments, key=lambda one: (branches.index(one.target.profile.branch), -one.target.start))
@@ -209,10 +211,10 @@ def _treatment_steps(one, families, where):
 
 
 def _balloon_centre(low, high, tightest, length, span):
-    """Arc length (mm) of the middle of a balloon of a length (mm) over the stretch from low to high (mm).
+    """Arc length (mm) at which a balloon of `length` (mm) is centred over the stretch from `low` to `high` (mm).
 
-    A balloon shorter than the stretch is moved over the tightest place, if that is in the stretch. The whole balloon
-    lies within the stent's span: beyond it, it would injure a wall that no stent covers.
+    If the balloon is shorter than the stretch, it is moved over the `tightest` place, if that is in the stretch. The
+    whole balloon lies within the stent's `span`: beyond it, it would injure a wall that no stent covers.
     """
     middle = 0.5 * (low + high)
     if low <= tightest <= high:

@@ -6,8 +6,8 @@ from . import landing, targets
 from .profile import CAP_MARGIN_MM
 
 WIDE_BRANCH_MM = 2.0  # diameter from which a side branch under a stent is usually treated too
-TOLERANCE_MM = 0.05  # by which a margin may be shorter, or an end off a limit, without counting
-LANDING_PERCENT = 15  # difference of a landing zone from the reference, by diameter, from which a remark is made
+TOLERANCE_MM = 0.05  # a margin short by this little gives no remark; an end this near to a limit counts as at it
+LANDING_PERCENT = 15  # a stent's end in a lumen farther off the reference, by diameter, gives a remark
 DIFFUSE_PERCENT, DIFFUSE_MM = 10, 5.0  # least diameter stenosis beside a stent, and its least length, for a remark
 
 
@@ -38,9 +38,9 @@ def _balloon_alone(one):
 
 
 def of_reference(reference):
-    """Yields a sentence for each treated lesion whose stenosis by the plan's reference is not that of anatomy.json.
+    """Yields a sentence for each treated lesion whose stenosis in the plan differs from that in anatomy.json.
 
-    reference: as plan.reference_document() returns it.
+    They differ if the plan has another reference. reference: result of plan.reference_document().
     """
     for lesion in reference["lesions"]:
         by_plan, by_anatomy = lesion["diameter_stenosis_percent"], lesion["anatomy_percent"]
@@ -92,7 +92,10 @@ def _short_margins(one):
 
 
 def _short_margin_reason(one, side):
-    """Why a stent's margin is short, and what to do. Its branch begins there, or the vessel has a cut end."""
+    """The reason for a stent's short margin, and the remedy, in words.
+
+    Either its branch begins there, or the vessel has a cut end.
+    """
     profile, (start, end) = one.target.profile, one.stented_ends
     if not _is_at_cut_end(profile, side, start if side == "proximal" else end):
         return "the branch begins there"

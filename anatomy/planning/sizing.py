@@ -1,16 +1,18 @@
 """Diameters of balloons and stents, from the lumen at the stent's two ends.
 
 The rules are those of the EAPCI consensus on intracoronary imaging (Raeber et al., Eur Heart J 2018;39:3281-3300).
+
 - The stent has the diameter of the distal reference lumen, rounded up to the catalogue.
 - It is post-dilated by a non-compliant balloon of the proximal reference's diameter, at most half a millimetre above
-  the distal one.
+the distal one.
 - In a vessel that tapers by more than half a millimetre, only the stent's proximal half is post-dilated. If the stent
-  is too short for this, it is dilated over its whole length, by no more than the distal reference allows.
-- No balloon opens a stent beyond its design. In a row of stents, it ends before a more distal stent that it would
-  over-expand.
+is too short for this, it is dilated over its whole length, by no more than the distal reference allows.
+- No balloon opens a stent beyond its design. In a row of stents a balloon ends before a more distal stent that it would
+over-expand.
 
-A vessel that no stent fits gets a balloon alone, of 0.8 to 1.05 of the lumen distal to the lesion. The consensus on
-balloons without a stent asks for 0.8 to 1 (Jeger et al., JACC Cardiovasc Interv 2020;13:1391-1402).
+A vessel that no stent fits gets a balloon alone. Its diameter is 0.8 to 1.05 times that of the lumen distal to the
+lesion. The consensus on balloons without a stent asks for 0.8 to 1 (Jeger et al., JACC Cardiovasc Interv
+2020;13:1391-1402).
 """
 
 import dataclasses
@@ -22,12 +24,12 @@ from . import catalogue, landing
 
 LARGEST_OVERSIZE_MM = 0.5  # largest excess of the stent's diameter over the distal reference
 LEAST_BALLOON_RATIO, LARGEST_BALLOON_RATIO = (
-    0.8,
-    1.05,
-)  # over the distal lumen: a balloon alone; the upper also before a stent
-BALLOON_MARGIN_MM = 2.0  # length of a balloon alone beyond each end of the stretch, as long as a stent's margin
+    0.8,  # least ratio of the diameters of a balloon alone and of the distal lumen
+    1.05,  # largest such ratio, also for a balloon before a stent
+)
+BALLOON_MARGIN_MM = 2.0  # length of a balloon alone beyond each end of the stretch, as for a stent
 LARGEST_TAPER_MM = (
-    0.5  # largest difference of proximal and distal reference that one balloon may dilate to one diameter
+    0.5  # largest excess of a balloon over the distal reference, if the balloon dilates the stent over its whole length
 )
 PREDILATATION, STENT, POSTDILATATION = "semi_compliant", "des", "non_compliant"
 
@@ -36,9 +38,9 @@ PREDILATATION, STENT, POSTDILATATION = "semi_compliant", "des", "non_compliant"
 class Stent:
     """A planned stent: its landing.Span, nominal diameter, and the reference lumens at its two ends, mm.
 
-    limit: widest diameter (mm) to which its design opens, or that of a stent over its proximal end if that is less.
-    distal_limit: widest diameter (mm) of a stent over its distal end; infinite if there is none.
-    shortest_balloon: length (mm) of the catalogue's shortest post-dilatation balloon.
+    limit: widest diameter (mm) to which its design opens. If another stent overlaps its proximal end, that stent's
+    design counts too. distal_limit: widest diameter (mm) of the stent that overlaps its distal end; infinite without
+    one. shortest_balloon: length (mm) of the catalogue's shortest post-dilatation balloon.
     """
 
     span: object
@@ -51,7 +53,10 @@ class Stent:
 
     @property
     def target_diameter(self):
-        """The diameter (mm) to which the stent should be post-dilated, as far as its distal end allows."""
+        """The diameter (mm) that post-dilatation should reach: that of the proximal reference, within `limit`.
+
+        It may be too wide for the stent's distal end (widest_balloon).
+        """
         return min(max(self.proximal_reference, self.diameter), self.limit)
 
     @property
@@ -73,23 +78,26 @@ class Stent:
 
     @property
     def is_too_short(self):
-        """Whether that part is shorter than any balloon. Then the whole stent is dilated, to a smaller diameter."""
+        """Whether the proximal part is shorter than any balloon.
+
+        Then the whole stent is dilated, to a smaller diameter.
+        """
         return self.proximal_part_mm < self.shortest_balloon
 
 
 class NoFittingStent(InputError):
-    """Error: no stent of the catalogue fits the distal reference. A balloon may fit."""
+    """No stent of the catalogue fits the distal reference. A balloon alone may fit."""
 
 
 class TooTapered(InputError):
-    """Error: no stent that fits the distal reference can be expanded to the proximal one. Two in a row might fit."""
+    """No stent that fits the distal reference can be expanded to the proximal one. Two in a row might fit."""
 
 
 def size_stents(profile, spans, families, where):
     """[Stent] for the Spans of a row of stents, the distal one first.
 
-    profile: the branch's profile. Where two stents overlap the lumen is diseased, so the reference is the healthy
-    vessel at the middle of the overlap. Raises InputError for lumens that the catalogue does not fit.
+    profile: the branch's profile. Where two stents overlap, the lumen is diseased. So their common reference is the
+    healthy vessel at the middle of the overlap. Raises InputError for lumens that the catalogue does not fit.
     """
     joints = [_overlap_reference(profile, after, before) for before, after in zip(spans, spans[1:])]
     distal = [profile.reference_lumen_mm(spans[0].end, 1), *joints]
@@ -143,9 +151,10 @@ def _largest_expansion(families, size):
 
 
 def predilatation(families, stent, stretch, where):
-    """(diameter, length) in mm of the balloon before a Stent, over a stretch of a length (mm).
+    """(diameter, length) in mm of the balloon that opens the lesion before a Stent.
 
-    The diameter is at most 5 % above the distal reference, the balloon no longer than the stent.
+    stretch: length (mm) to dilate. The diameter is at most 5 % above the distal reference. The balloon is no longer
+    than the stent.
     """
     family = families[PREDILATATION]
     diameter = _largest_up_to(
@@ -156,7 +165,10 @@ def predilatation(families, stent, stretch, where):
 
 
 def postdilatation(families, stent, where):
-    """(diameter, length, centre, (wanted, greatest) inflated diameter) in mm of the balloon after a Stent."""
+    """(diameter, length, centre, (wanted, greatest) inflated diameter) in mm of the balloon after a Stent.
+
+    It covers the stent's proximal part alone if the distal end would not bear its diameter.
+    """
     family = families[POSTDILATATION]
     in_part = stent.proximal_part_mm < stent.span.length and not stent.is_too_short
     most = stent.limit if in_part else stent.widest_balloon
@@ -200,7 +212,7 @@ def balloon_alone(families, target, where):
 def plan_step(families, action, family, diameter, length, branch, centre, wanted, where):
     """A plan's step with one device of a diameter and length (mm), its centre at an arc length (mm) of a branch.
 
-    wanted: (wanted, greatest) inflated diameter in mm. The pressure opens the device as near to the wanted one as
+    wanted: (wanted, greatest) inflated diameter in mm. The pressure is chosen to come as near to the wanted one as
     possible.
     """
     inflated = catalogue.balloon_family(families, family)

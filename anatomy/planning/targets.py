@@ -24,8 +24,8 @@ JOIN_DIAMETERS = 3  # narrowings fewer vessel diameters apart are one lesion (SY
 class Target:
     """The stretch of a branch that one stent covers, or several that overlap: from arc length `start` to `end`, mm.
 
-    lesions: its entries of anatomy.json. s_mla: arc length (mm) of the worst lesion's smallest area. percent: diameter
-    stenosis of the worst lesion.
+    lesions: entries of anatomy.json for the lesions in it. s_mla: arc length (mm) of the worst lesion's smallest area.
+    percent: diameter stenosis of the worst lesion.
     """
 
     profile: Profile
@@ -56,8 +56,8 @@ class Target:
 def stretch_to_cover(profile, lesion, percent):
     """(start, end) as arc lengths in mm of the stretch of a lesion that a stent must cover.
 
-    It is the unbroken row of sections round the narrowest one with a diameter stenosis of 30 % or more. In a lesion
-    below 60 % it is that with at least half the lesion's own stenosis (`percent`).
+    percent: the lesion's own diameter stenosis. The stretch is the unbroken row of sections round the narrowest one
+    with a diameter stenosis of at least 30 %. In a lesion below 60 % the limit is half of `percent` instead.
     """
     threshold = min(STRETCH_PERCENT, percent / 2)
     narrow = profile.stenosis >= threshold

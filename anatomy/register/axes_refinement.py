@@ -1,4 +1,4 @@
-"""Places the lumen by its axes alone, near the placement that the landmarks chose, if the axes fix the place."""
+"""Refines a placement that landmarks have chosen: by the axes alone, if the axes fix the place."""
 
 import numpy as np
 
@@ -10,10 +10,10 @@ from .placement import cost, refine_placement
 def refine_by_axes(target, tree, result, landmarks):
     """The SearchResult after refining its placement by the axes alone.
 
-    The landmarks have chosen among several placements. But they are marked by hand, about a millimetre off, while the
-    axes of right pairs fit within a tenth of that. The placement stays as it is if the refined one fits worse or has an
-    unusual residual. It also stays if the axes do not fix the place along the vessel and the turn about it. Three
-    landmarks that are not in one line decide alone.
+    Landmarks have chosen among several placements. But they are marked by hand, about a millimetre off. The axes of one
+    vessel before and after fit within a tenth of that. The placement stays as it is if the refined one fits worse or
+    has an unusual residual. It also stays if the axes do not fix the place along the vessel and the turn about it.
+    Three landmarks that are not in one line decide alone.
     """
     if not len(landmarks[0]) or search.spans_a_plane(landmarks[1]) or not deviates_from_line(target.points):
         return result

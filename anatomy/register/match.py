@@ -6,17 +6,17 @@ import numpy as np
 
 from .tree import STEP_MM
 
-KEPT_SHARE = 0.8  # share of the samples in trimmed_mm; the worst fifth is left out, as a stent straightens the vessel
+KEPT_SHARE = 0.8  # share of the samples in trimmed_mm: a stent straightens the vessel, so the worst fifth is left out
 
 
 @dataclasses.dataclass(frozen=True)
 class Match:
     """How the branches after the procedure correspond to those before.
 
-    names: {branch after: branch before, or a new name}. missing_branches: branches before without one after.
-    new_branches: {new name: branch after}. shared_ranges: {branch before: (first, last s_mm) that the lumen afterwards
-    covers}. residual_mm: (n,) distances of the shared samples from the axes before. usual_radius_mm: median radius
-    before at these samples.
+    names: {branch after: branch before, or a new name}. missing_branches: names of branches before that have no partner
+    after. new_branches: {new name: branch after} of branches without a partner before. shared_ranges: {branch before:
+    (first, last s_mm) that the lumen afterwards covers}. residual_mm (n,): distances of the shared samples from the
+    axes before. usual_radius_mm: median radius of the lumen before at these samples.
     """
 
     names: dict
@@ -28,7 +28,10 @@ class Match:
 
     @property
     def trimmed_mm(self):
-        """The residual in mm that decides: root mean square of residual_mm without the worst fifth."""
+        """The residual in mm by which a placement is judged.
+
+        It is the root mean square of residual_mm without the worst fifth.
+        """
         kept = np.sort(self.residual_mm)[: max(1, int(KEPT_SHARE * len(self.residual_mm)))]
         return float(np.sqrt(np.mean(kept**2)))
 
@@ -37,7 +40,7 @@ def match_branches(target, tree, placement):
     """The Match of a placed Tree with a Target.
 
     The route from the inlet to an end follows the axes before the procedure, up to its last sample within a usual
-    radius of them. The end belongs to the branch of the axis sample nearest to that one. If two ends belong to the same
+    radius of them. The end belongs to the branch whose axis is nearest to that sample. If two ends belong to the same
     branch, the one that follows it farther gets its name, and the other gets a new name.
     """
     claims = {name: _claimed_branch(target, route, placement) for name, route in tree.routes.items()}
@@ -55,7 +58,8 @@ def match_branches(target, tree, placement):
     for name, line in tree.branches.items():
         points = placement.apply(line.points)
         _, distance, nearest = target.offsets(points)
-        # a branch is compared with the branch of its name and, up to its take-off, with that branch's parents
+        # A branch is compared with the branch before that has its name. Up to the take-off it is compared with that
+        # branch's parents.
         inside = np.isin(target.names[nearest], _with_parents(target, names[name])) & ~_is_past_end(
             target, points, nearest
         )
@@ -83,12 +87,15 @@ def _claimed_branch(target, route, placement):
 
 
 def _with_parents(target, name):
-    """Names of the branches before on the route to the end of branch `name`, itself included; none for a new name."""
+    """Names of the branches before on the route from the inlet to the end of branch `name`, itself included.
+
+    The list is empty for a new name.
+    """
     return sorted(set(target.tree.routes[name].branch)) if name in target.tree.routes else []
 
 
 def _s_mm(target, samples):
-    """Arc lengths (n,) in mm along their branches of samples of a Target, given by their numbers (n,)."""
+    """Arc lengths (n,) in mm of samples of a Target along their own branches. samples (n,): their numbers."""
     first = {name: int(np.flatnonzero(target.names == name)[0]) for name in target.tree.branches}
     return np.array([(sample - first[target.names[sample]]) * STEP_MM for sample in np.atleast_1d(samples)])
 

@@ -1,4 +1,4 @@
-"""A rigid placement of one lumen's axes on another's, and how well the axes fit."""
+"""Rigid placements of one lumen's axes on another's, and how well the axes fit."""
 
 import dataclasses
 import warnings
@@ -10,16 +10,16 @@ from scipy.spatial.transform import Rotation
 
 from .tree import STEP_MM
 
-ROBUST_SCALE = 0.25  # usual radii; larger residuals hardly count, for example if a stent has straightened the vessel
-# Weight of all landmarks together over the weight of the axes. It is enough to decide a placement that the axes do not
-# fix, such as a turn about a straight vessel. It is too little to spoil a good fit of the axes.
+ROBUST_SCALE = 0.25  # usual radii; larger residuals hardly count, as where a stent has straightened the vessel
+# Weight of all landmarks together, where all axes together have the weight 1. It is enough to decide what the axes do
+# not fix, such as a turn about a straight vessel. It is too little to spoil a good fit of the axes.
 LANDMARK_WEIGHT = 0.1
-RADIUS_WEIGHT = 0.5  # weight of radii over weight of positions; radii fix the place along a straight vessel
+RADIUS_WEIGHT = 0.5  # weight of radii against positions: radii fix the place along a straight vessel
 
 
 @dataclasses.dataclass(frozen=True)
 class Placement:
-    """The rigid motion of points x in mm to rotation x + translation."""
+    """A rigid motion: it moves points x, in mm, to rotation x + translation."""
 
     rotation: Rotation
     translation: np.ndarray
@@ -36,7 +36,8 @@ class Placement:
 class Target:
     """The axes of a Tree, prepared for finding the samples nearest to given points.
 
-    points, tangents: (n, 3) of all samples. radius, names: (n,) their radii in mm and branches.
+    points, tangents (n, 3): places in mm and directions of all samples. radius, names (n,): their radii in mm, and the
+    names of their branches.
     """
 
     def __init__(self, tree):

@@ -10,20 +10,25 @@ from .match import match_branches
 from .tree import MIRROR, Line, Tree
 
 # A right pair is one vessel before and after. Residuals and distances are in usual radii (Tree.usual_radius_mm).
-LEAST_AXIS_SHARE = 0.6  # of both axes that coincide: right pairs with a third cut off have 0.8, different vessels 0.55
-USUAL_RESIDUAL = 0.1  # a larger one gives a warning: right pairs have up to 0.05, with noise, cuts or a stent
-LARGEST_RESIDUAL = 0.3  # a larger one is refused: different vessels that lie on each other have 0.11 to 0.48
-LARGEST_RESIDUAL_WITH_LANDMARKS = 0.6  # largest residual if the user gives landmarks
-DOUBTFUL_LANDMARK_RADII = 0.5  # distance between a landmark's two places from which a warning is given
-LARGEST_LANDMARK_RADII = 1.0  # largest distance between a landmark's two places
-LARGEST_AXIS_RADII = 3.0  # from a landmark to its vessel's axes: a spot on the wall, a branch's mouth, the ostium's rim
+# Least share of both lumens' axes (with landmarks: of the shorter lumen's) that must coincide. Right pairs with a third
+# cut off have 0.8, different vessels 0.55.
+LEAST_AXIS_SHARE = 0.6
+USUAL_RESIDUAL = 0.1  # above it a warning is given: right pairs have up to 0.05, with noise, cuts or a stent
+LARGEST_RESIDUAL = 0.3  # above it a placement is refused: different vessels on each other have 0.11 to 0.48
+LARGEST_RESIDUAL_WITH_LANDMARKS = 0.6  # the same limit if the user gives landmarks
+DOUBTFUL_LANDMARK_RADII = 0.5  # a warning is given if a landmark's two places are farther apart after the placement
+LARGEST_LANDMARK_RADII = 1.0  # the placement is refused if they are farther apart
+# Largest distance of a landmark from its vessel's axes. Landmarks are spots on the wall, mouths of branches or the rim
+# of the ostium.
+LARGEST_AXIS_RADII = 3.0
 LANDMARKS_REMEDY = "give `registration: landmarks` (pre_mm, post_mm of each): places that are seen in both lumens"
 
 
 def axis_shares(target, tree, placement):
-    """Shares of the axes within a usual radius of the other lumen's axes: (of both together, the larger of the two).
+    """(share of both axes together, larger of the two single shares) that lies within a usual radius of the other axes.
 
-    target: the lumen before (Target). tree: the lumen afterwards (Tree), moved by the placement.
+    The second value is large also if one lumen is a piece of the other. target: the lumen before (Target). tree: the
+    lumen afterwards (Tree), moved by the placement.
     """
     moved = placement.apply(tree.points)
     _, to_pre, _ = target.offsets(moved)
@@ -33,10 +38,10 @@ def axis_shares(target, tree, placement):
 
 
 def check_landmarks(case_file, pre, post, landmarks):
-    """Raises InputError if a landmark lies farther than LARGEST_AXIS_RADII from its own Tree, as in other coordinates.
+    """Raises InputError if a landmark lies farther than LARGEST_AXIS_RADII from its own Tree.
 
-    landmarks: (pre (m, 3), post (m, 3)) in mm, their places in the two lumens. The radius is the usual one, or the
-    vessel's own at the nearest place if that is larger.
+    It is then probably given in other coordinates. landmarks: (pre (m, 3), post (m, 3)) in mm, their places in the two
+    lumens. The radius is the usual one, or the vessel's own at the nearest place if that is larger.
     """
     for tree, points, key, of in ((pre, landmarks[0], "pre_mm", "lumen"), (post, landmarks[1], "post_mm", "post")):
         for number, point in enumerate(points, start=1):
@@ -99,7 +104,10 @@ def check_fit(where, target, tree, result, match, landmarks):
 
 
 def _check_fit_without_landmarks(where, target, tree, landmarks):
-    """Raises InputError with the landmark that is farthest off, if the axes alone give one well-fitting placement."""
+    """Raises InputError with the landmark that is farthest off, if the axes alone give one well-fitting placement.
+
+    In that case a landmark is wrong, not the vessel.
+    """
     if not len(landmarks[0]):
         return
     alone = search.find_placement(target.tree, tree, sliding.NO_LANDMARKS)
@@ -124,8 +132,8 @@ def _check_fit_without_landmarks(where, target, tree, landmarks):
 def check_direction(where, pre, post, target, result, landmarks):
     """Raises InputError if the lumen afterwards is reversed: its inlet lies where an outlet was.
 
-    A wrong landmark can reverse a straight vessel. A vessel without branches is also refused if it would fit better
-    reversed. pre, post: the Trees.
+    This happens if a wrong landmark reverses a straight vessel. It is also raised if a vessel without branches would
+    fit better reversed. pre, post: the Trees.
     """
     along = sliding.direction_cosine(target, post, result.placement)
     if along < 0:
@@ -151,7 +159,10 @@ def _reversed_error(where, post, what, value):
 
 
 def check_place_along(where, target, tree, result, match, landmarks):
-    """Raises InputError if neither landmarks nor the vessel's course fix the place along it."""
+    """Raises InputError if neither landmarks nor the vessel's course fix the place along the vessel.
+
+    A straight vessel, for example, fits at any place.
+    """
     if len(landmarks[0]) or not sliding.fits_after_sliding(target, tree, result.placement, match):
         return
     residual = sliding.slid_residual(target, tree, result.placement)
@@ -165,7 +176,7 @@ def check_place_along(where, target, tree, result, match, landmarks):
 
 
 def check_handedness(where, pre, post, target, result, match, landmarks):
-    """Raises InputError if the mirror image of the lumen afterwards fits as right pairs do, but the lumen does not.
+    """Raises InputError if the lumen afterwards does not fit as right pairs do, but its mirror image does.
 
     This is checked only if the residual is unusual or a branch has no partner: landmarks can place a mirror image so
     that it nearly fits. A vessel whose axis lies in a plane is its own mirror image.
@@ -236,6 +247,9 @@ def check_outlets(where, match, landmarks):
 
 
 def landmark_distances_mm(placement, landmarks):
-    """Distances (m,) in mm between each landmark's place in the lumen before and its moved place of afterwards."""
+    """Distances (m,) in mm between each landmark's two places, after the placement has moved the later one.
+
+    landmarks: (pre (m, 3), post (m, 3)) in mm.
+    """
     pre, post = landmarks
     return np.linalg.norm(placement.apply(post) - pre, axis=1) if len(pre) else np.zeros(0)

@@ -1,4 +1,4 @@
-"""python3 -m anatomy register: moves the lumen after the procedure onto the lumen before, and names its ends."""
+"""The command `register`: moves the lumen after the procedure onto the lumen before, and names its ends."""
 
 import copy
 import pathlib
@@ -18,8 +18,8 @@ from .placement import Target
 def run(case_file, pre_folder, post_folder, out):
     """Writes lumen.vtp, like.json and registration.json (docs/design.md) into the folder `out`.
 
-    pre_folder, post_folder: made by `lumen process` from the case's `lumen` and `post`, each in its own coordinates.
-    Raises InputError if no placement fits, or several do.
+    pre_folder, post_folder: folders made by `lumen process` from the case's `lumen` and `post`, each in its own
+    coordinates. Raises InputError if no placement fits, or several do.
     """
     out = pathlib.Path(out)
     for name in ("lumen.vtp", "like.json", "registration.json"):
@@ -49,9 +49,9 @@ def run(case_file, pre_folder, post_folder, out):
 
 
 def like_document(summary, placement, match):
-    """like.json as a dict, for `lumen process --like`: the ends of the moved lumen, with the branches' names before.
+    """like.json as a dict: the ends of the moved lumen, with the names that the branches had before.
 
-    summary: anatomy.json of the lumen afterwards.
+    `lumen process --like` gives the moved lumen the same names by it. summary: anatomy.json of the lumen afterwards.
     """
     ends = copy.deepcopy(summary["ends"])
     for end in ends:

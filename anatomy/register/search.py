@@ -1,18 +1,18 @@
-"""Searches the placement of the lumen after the procedure: tries all routes and offsets, refines the best ones."""
+"""Searches the placement of the lumen after the procedure: tries all pairs of routes and offsets, refines the best."""
 
 import numpy as np
 
 from .placement import LANDMARK_WEIGHT, Target, cost, fit_rigid, refine_placement
 
 LEAST_OVERLAP_SHARE = 0.5  # share of the shorter route that must overlap; shorter stretches may be similar by chance
-MOST_REFINED_PLACEMENTS = 12  # placements that are refined
-REWEIGHTINGS = 3  # further fits of two stretches with new weights
+MOST_REFINED_PLACEMENTS = 12  # number of placements that are refined at most
+REWEIGHTINGS = 3  # two stretches are fitted again this many times, with new weights
 EQUAL_COST = 0.1  # difference in cost (0 to 1) below which placements are equally good
-DISTINCT_RADII = 1.0  # usual radii: mean distance beyond which two placements of the lumen are different
+DISTINCT_RADII = 1.0  # mean distance, in usual radii, beyond which two placements of the lumen are different
 
 
 class SearchResult:
-    """The best placement and its cost, and the next best one that differs (rival, rival_cost; None without one).
+    """The best placement and its cost. rival, rival_cost: the best of the clearly different ones, None without one.
 
     ranked: [(cost, Placement)], the best first.
     """
@@ -76,8 +76,8 @@ def candidates(pre, post, landmarks):
 def fit_stretch(pre, post, n, m, usual_radius, landmarks):
     """(misfit, Placement) of two stretches (k, 3), fitted sample by sample, of routes with n and m samples.
 
-    The misfit is as cost(), for these two routes alone: samples outside the stretches count 1. The mean distance of the
-    landmarks in usual radii is added.
+    The misfit is that of cost(), for these two routes alone: each sample outside the stretches counts 1. The mean
+    distance of the landmarks in usual radii is added.
     """
     marks = len(landmarks[0])
     first = np.concatenate([pre, landmarks[0]])

@@ -6,14 +6,14 @@ from .match import KEPT_SHARE
 from .search import fit_stretch
 from .tree import STEP_MM
 
-# All in usual radii.
-SLID_RADII = 1.0  # by how much the lumen afterwards is slid along the vessel
+# All lengths and residuals here are in usual radii.
+SLID_RADII = 1.0  # distance by which the lumen afterwards is slid along the vessel
 SLID_RESIDUAL = (
-    0.07  # residual below which a slid lumen fits well; right pairs have 0.05, 30 mm of a real artery slid 0.10
+    0.07  # a slid lumen fits well below this residual; right pairs in place have 0.05, 30 mm of a real artery slid 0.10
 )
-STRAIGHT_SLID_RESIDUAL = 0.14  # residual from which the place is fixed even if the vessel counts as straight
+STRAIGHT_SLID_RESIDUAL = 0.14  # the same limit for a vessel that counts as straight
 STRAIGHT_SPREAD = (
-    0.25  # rms distance from a line below which a vessel is straight; centres of an eccentric lumen have this
+    0.25  # below this rms distance of its axis from a line a vessel counts as straight; eccentric lumens have so much
 )
 NO_LANDMARKS = (np.zeros((0, 3)), np.zeros((0, 3)))
 
@@ -21,9 +21,9 @@ NO_LANDMARKS = (np.zeros((0, 3)), np.zeros((0, 3)))
 def fits_after_sliding(target, tree, placement, match):
     """Whether nothing but the ends tells where along the vessel the lumen afterwards lies.
 
-    This is so if it also fits after it is slid along the vessel by a radius and fitted again. For a straight main
-    vessel a worse fit is enough. The overlap alone is compared: the ends show where a piece was cut, not where it lies.
-    Radii do not count, since the procedure has changed them. A second branch in both lumens fixes the place.
+    This is so if it also fits after it is slid along the vessel by a radius and fitted again. If the main vessel is
+    straight, a worse fit counts too. Only the overlap is compared: the ends show where a piece was cut, not where it
+    lies. Radii do not count, since the procedure has changed them. A second branch in both lumens fixes the place.
     """
     if _shares_a_branch(target, match):
         return False
@@ -37,8 +37,8 @@ def fits_after_sliding(target, tree, placement, match):
 def depends_on_landmark(target, tree, placement, match):
     """Whether a lone landmark may be all that fixes the place along the vessel.
 
-    Unlike fits_after_sliding() it is true of every straight vessel without a second common branch: at a wrong place the
-    residual after sliding tells nothing.
+    This is true of every straight vessel without a second common branch, whatever fits_after_sliding() says. If the
+    landmark has put the lumen at a wrong place, the residual after sliding tells nothing.
     """
     if _shares_a_branch(target, match):
         return False
@@ -56,9 +56,10 @@ def _is_straight(target, tree):
 
 
 def slid_residual(target, tree, placement):
-    """The smaller residual, in usual radii without the worst fifth, after sliding to either side and fitting again.
+    """The residual of the main vessel after it is slid along the vessel by a radius and fitted again.
 
-    None without enough overlap. target, tree: the lumen before (Target) and afterwards (Tree).
+    It is in usual radii, without the worst fifth, and the smaller one of sliding to either side. None without enough
+    overlap. target, tree: the lumen before (Target) and afterwards (Tree).
     """
     moved = placement.apply(tree.branches["main"].points)
     on, nearest, route = max(
@@ -92,7 +93,8 @@ def _refit_residual(before, after, usual_radius_mm):
 def direction_cosine(target, tree, placement):
     """Mean cosine between the directions of both lumens' axes, over the first half of the shared main vessel.
 
-    It is 1 if both run in the same direction, and -1 if the lumen afterwards is reversed. Without overlap it is 1.
+    It is about 1 if both run in the same direction, and -1 if the lumen afterwards is reversed. Without overlap it is
+    1.
     """
     moved = placement.apply(tree.branches["main"].points)
     _, distance, nearest = target.offsets(moved)

@@ -10,8 +10,8 @@ from common import vtp
 
 from ..lumen_results import read_summary
 
-STEP_MM = 0.5  # between the points of an axis
-MIRROR = np.array([1.0, 1.0, -1.0])  # factors that turn coordinates into those of a mirror image
+STEP_MM = 0.5  # distance between the points of an axis
+MIRROR = np.array([1.0, 1.0, -1.0])  # factors of x, y and z that turn a vessel into its mirror image
 
 
 @dataclasses.dataclass(frozen=True)
@@ -60,7 +60,10 @@ class Tree:
 
     @property
     def usual_radius_mm(self):
-        """The median inscribed radius (mm) of the main vessel. Distances between axes are measured in it."""
+        """The median inscribed radius (mm) of the main vessel.
+
+        Distances between axes are stated in multiples of it.
+        """
         return float(np.median(self.branches["main"].radius))
 
 
@@ -89,7 +92,10 @@ def _resampled(name, s, points, radius):
 
 
 def _route(name, branches, parents):
-    """The Line from the inlet through the parents to the branch's end."""
+    """The Line from the inlet through the parents to the branch's end.
+
+    parents: {branch: (parent or None, s_on_parent_mm)}.
+    """
     pieces, take_off_mm = [], None
     while name is not None:
         line = branches[name]

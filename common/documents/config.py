@@ -1,6 +1,7 @@
 """Reads the study's configuration, checks it against its schemas and fills in defaults.
 
-For a value that is not allowed the loaders raise InputError, which names file, line, key, value and what is allowed.
+The loaders raise InputError for a value that is not allowed. Its message names file, line, key, value and what is
+allowed.
 """
 
 import pathlib
@@ -76,7 +77,7 @@ def load_case(path):
 def _check_flow(document):
     """Refuses a patient whose coronary flow cannot be computed.
 
-    It needs the left ventricular mass, a measured inflow in mL/min, or a cardiac output with a territory.
+    The flow follows from the left ventricular mass, a measured inflow in mL/min, or a cardiac output with a territory.
     """
     patient, inflow = document.data["patient"], "hyperaemic_inflow_ml_per_min"
     flows = ("lvm_g", inflow, "cardiac_output_l_per_min")
@@ -135,7 +136,8 @@ def load_device(path):
 def load_devices(folder):
     """All device families in a folder, {name: family}.
 
-    The delivery balloon of each stent family must be among them, with every diameter and length of the stents.
+    Each stent family names the balloon family that delivers it. That family must be in the folder, and have every
+    diameter and length of the stents. Raises InputError.
     """
     files = sorted(pathlib.Path(folder).glob("*.yaml"))
     if not files:
@@ -163,7 +165,7 @@ def load_devices(folder):
 
 
 def resolve_settings(study, case):
-    """{section: values} of a case: the sections of the study, with the values of the case's `settings` in their place.
+    """Settings of a case, {section: values}: those of the study, overridden by the case's own `settings`.
 
     study, case: contents (dict) of study.yaml and of the case file.
     """

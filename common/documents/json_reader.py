@@ -1,4 +1,4 @@
-"""Strict JSON: numbers that are not finite are refused. documents.schema can check what is read."""
+"""Strict JSON: numbers that are not finite are refused. documents.schema can check the documents read here."""
 
 import json
 import math
@@ -9,13 +9,16 @@ from common.documents.yaml_reader import key_name
 
 
 class Document:
-    """Content (`data`) of a JSON file, or of one not yet written. Paths address values as in yaml_reader.Document."""
+    """Content (`data`) of a JSON file, read or not yet written.
+
+    A value is addressed by its path, a tuple of keys and list positions, e.g. ("plan", 0, "devices").
+    """
 
     def __init__(self, file, data):
         self.file, self.data = file, data
 
     def line(self, path):
-        """Number of values in the file before the one at `path`. documents.schema sorts errors by it, as by a line."""
+        """Rank of the value at `path` in the file's order, in place of a line. documents.schema sorts errors by it."""
         return next(number for number, (place, _) in enumerate(_walk(self.data, ())) if place == tuple(path))
 
     def where(self, path):
@@ -33,8 +36,9 @@ class Document:
 def read(file, kind, remedy=None):
     """Reads one JSON file into a Document.
 
-    kind: the expected file in words, say plan.json. remedy: the advice in messages, else to give a file of that kind.
-    Raises InputError when the file cannot be read, is not JSON, is no group of keys or has a number that is not finite.
+    kind: the expected file in words, say plan.json. remedy: advice for the error messages; by default, to give a file
+    of that kind. Raises InputError when the file cannot be read, is not JSON, is no group of keys or has a number that
+    is not finite.
     """
     file, finite_remedy = pathlib.Path(file), remedy or "give a finite number"
     remedy = remedy or f"give a file of the kind {kind}"
@@ -54,7 +58,7 @@ def read(file, kind, remedy=None):
 
 def _walk(value, path):
     """Yields (path, value) of `value` itself and of every value inside it, in the file's order."""
-    pending = [(path, value)]  # no recursion, since a file may be nested as deep as Python allows
+    pending = [(path, value)]  # no recursion: JSON may be nested nearly to Python's recursion limit
     while pending:
         path, value = pending.pop()
         yield path, value

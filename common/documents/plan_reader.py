@@ -1,4 +1,7 @@
-"""Reads plan.json for the Python commands that change or draw a plan. The engine checks all else in scene.json."""
+"""Reads plan.json for the Python commands that change or draw a plan.
+
+Only what these commands use is checked here. The deployment engine checks the rest when it reads scene.json.
+"""
 
 from common.documents import json_reader, schema
 from common.errors import InputError

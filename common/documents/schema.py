@@ -1,8 +1,8 @@
 """JSON schemas for the configuration: reads them, fills in defaults, and says in plain words which value is wrong.
 
-Schemas are JSON Schema (2020-12) written as YAML in config/schemas/. A `$ref` names another schema file and is
-expanded when read. `x-partial: true` marks keys that override others: they are checked, but none is required, and no
-default is filled in. `unit` gives the unit of a number whose name does not carry it.
+Schemas are JSON Schema (2020-12) written as YAML in config/schemas/. A `$ref` names another schema file, whose content
+takes its place when the schema is read. `x-partial: true` marks a group of keys that override other settings. They are
+checked, but none is required, and no default is filled in. `unit` gives the unit of a number whose name does not.
 """
 
 import copy
@@ -41,7 +41,7 @@ def _expand_references(schema, partial):
     for key, value in schema.items():
         if partial and key in ("required", "default"):
             continue
-        if key == "properties":  # holds names of keys, which may be "default" or "required"
+        if key == "properties":  # here "default" or "required" would be the name of a setting
             expanded[key] = {
                 name: FORBIDDEN_KEY if item is False else _expand_references(item, inside)
                 for name, item in value.items()
@@ -62,7 +62,7 @@ def validate(document, schema):
 def _sort_key(document, error):
     """Sort key: errors in the file's order. Within a line: a key not allowed there, then an unknown key, then others.
 
-    An unknown key comes before a missing one, because it is often that key misspelt.
+    An unknown key comes before a missing one, because it is often the missing key misspelt.
     """
     rank = 0 if error.schema == FORBIDDEN_KEY else 1 if error.validator == "additionalProperties" else 2
     return document.line(error.absolute_path), rank, str(error.message)
@@ -95,10 +95,11 @@ def _fill_defaults(data, schema):
 
 
 def _most_specific(error):
-    """The error to report. If no alternative of an anyOf fits, it is the error of the one that fits best.
+    """The error to report for a jsonschema error, which may contain the errors of several alternatives (anyOf).
 
-    The author of the file probably meant that alternative. But if the value itself, its type or range, is wrong in
-    every alternative, the error of the anyOf is reported. Its message names all alternatives.
+    If no alternative fits, the author probably meant the one that fits best, so its error is reported. But the value
+    itself may be wrong in every alternative, by its type or range. Then the error of the anyOf is reported, which names
+    them all.
     """
     while any(
         inner.absolute_path != error.absolute_path or inner.validator not in _WHOLE_VALUE_RULES
@@ -174,7 +175,7 @@ _WHOLE_VALUE_RULES = (
     "exclusiveMinimum",
     "maximum",
     "exclusiveMaximum",
-)  # of a whole value
+)  # rules about a value itself, not about the keys or entries in it
 _TYPES = {
     "number": "a number",
     "integer": "a whole number",

@@ -14,10 +14,10 @@ import yaml
 from common.errors import InputError
 
 
-MOST_VALUES = 100_000  # in one file. A study's files hold some hundreds; nested aliases can expand to billions.
-LONGEST_NUMBER = 300  # characters of a whole number; a longer one might not be finite as a float
+MOST_VALUES = 100_000  # most values in a file; a study's have some hundreds, nested aliases can expand to billions
+LONGEST_NUMBER = 300  # most characters of a whole number; a longer one might not be finite as a float
 TAG_PREFIX = "tag:yaml.org,2002:"
-# YAML 1.2's kinds of plain value: {kind: (pattern of its text, characters that the text may begin with)}
+# The kinds of plain value in YAML 1.2: {kind: (pattern of its text, characters that the text may begin with)}
 PLAIN_SCALARS = {
     "null": (r"^(~|null|Null|NULL|)$", ["~", "n", "N", ""]),
     "bool": (r"^(true|false)$", list("tf")),
@@ -152,7 +152,7 @@ def _check_node(loader, node, path, file, lines):
 
 
 def _check_scalar(loader, node, where):
-    """Refuses three scalars: one that its tag does not fit, too long a whole number, and half a surrogate pair."""
+    """Refuses a scalar that its tag does not fit, a whole number that is too long, and half a surrogate pair."""
     plain = loader.resolve(yaml.ScalarNode, node.value, (True, False))
     if node.tag not in (TAG_PREFIX + "str", plain):
         value = f"{node.tag.replace(TAG_PREFIX, '!!')} {node.value}"

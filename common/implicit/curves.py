@@ -10,15 +10,15 @@ SAMPLE_MM = 0.1
 def transported_normals(tangents):
     """First normal of the rotation-minimising frame along a curve, by projection from sample to sample.
 
-    tangents: (n, 3) unit vectors at closely spaced points. Returns unit normals (n, 3). At the first point it is the
-    coordinate axis least aligned with the tangent, made perpendicular to it.
+    tangents: (n, 3) unit vectors at closely spaced points. Returns unit normals (n, 3). The first one is the coordinate
+    axis least aligned with the first tangent, made perpendicular to this tangent.
     """
     first = np.eye(3)[np.argmin(np.abs(tangents[0]))]
     normals = np.empty_like(tangents)
     normals[0] = first - (first @ tangents[0]) * tangents[0]
     normals[0] /= np.linalg.norm(normals[0])
     for i in range(1, len(tangents)):
-        # The last normal is projected on the plane across the next tangent: an error of second order in the spacing.
+        # The normal before is projected on the plane across this tangent. The error is of second order in the spacing.
         n = normals[i - 1] - (normals[i - 1] @ tangents[i]) * tangents[i]
         normals[i] = n / np.linalg.norm(n)
     return normals
@@ -95,7 +95,7 @@ class Curve:
             offset = points_mm[inside] - self._spline(si)
             first = self._first(si)
             slope = np.sum(first * first, axis=1) - np.sum(offset * self._second(si), axis=1)
-            # A point at the centre of curvature has no unique nearest place. Short steps keep s near its start.
+            # At a centre of curvature the slope is 0: no place is the nearest one. The limits keep s near its start.
             step = np.sum(offset * first, axis=1) / np.maximum(slope, 0.1)
             s[inside] = si + np.clip(step, -SAMPLE_MM, SAMPLE_MM)
         return s
@@ -104,8 +104,8 @@ class Curve:
 def curve_from_curvatures(curvature_1, curvature_2, step_mm):
     """Points (n, 3) in mm of a curve, from its curvatures (n,) in 1/mm towards the normal and the binormal.
 
-    step_mm: arc length between the points. Normal and binormal are of the rotation-minimising frame. The curve starts
-    at the origin along x.
+    Normal and binormal belong to the rotation-minimising frame. step_mm: arc length between the points. The curve
+    starts at the origin in the direction x.
     """
     tangent, normal, binormal = np.eye(3)
     points = np.zeros((len(curvature_1), 3))

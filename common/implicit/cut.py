@@ -2,7 +2,8 @@
 
 import numpy as np
 
-# Share of an edge's length. A vertex nearer to the plane than this moves onto it, to avoid thin triangles.
+# If the plane cuts an edge within this share of its length from a vertex, the vertex is moved onto the plane. This
+# avoids thin triangles.
 SNAP_SHARE = 0.3
 RIM_PASSES = 8
 
@@ -31,7 +32,11 @@ def cut_at_end(field, points, triangles, centre, normal, radius):
 
 
 def reach_of_cut(points, centre, normal, radius):
-    """(height (n,) mm over the plane of an end, whether the cut there reaches so far (n,) bool) of points (n, 3) mm."""
+    """(height (n,) in mm, near (n,) bool) of points (n, 3) in mm, for a cut at an end as in `cut_at_end`.
+
+    height: signed distance from the end's plane, positive beyond the end. near: whether a point is so near to the end
+    that the surface is cut there.
+    """
     offset = points - centre
     height = offset @ normal
     across = np.linalg.norm(offset - height[:, None] * normal, axis=1)
@@ -43,7 +48,7 @@ def _edges(triangles):
 
 
 def _vertices_near_plane(edges, height):
-    """Vertices of edges across the plane, nearer to it along their edge than SNAP_SHARE of the edge's length."""
+    """Numbers of the vertices to be moved onto the plane (SNAP_SHARE). edges (e, 2); height (n,) of all vertices."""
     h0, h1 = height[edges].T
     edges, h0, h1 = (x[h0 * h1 < 0] for x in (edges, h0, h1))
     share = h0 / (h0 - h1)
@@ -51,7 +56,7 @@ def _vertices_near_plane(edges, height):
 
 
 def _project_to_rim(field, points, centre, normal):
-    """Points (n, 3) moved by turns onto the wall and onto the end's plane, the plane last."""
+    """Points (n, 3) moved onto the wall and onto the end's plane by turns, the plane last."""
     for _ in range(RIM_PASSES):
         points = field.project(points, 1)
         points = points - ((points - centre) @ normal)[:, None] * normal

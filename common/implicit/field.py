@@ -2,7 +2,7 @@
 
 import numpy as np
 
-BLEND_MM = 0.5  # branches are blended where their fields differ by less
+BLEND_MM = 0.5  # two branches are blended where their fields differ by less than this
 NARROW_BAND_MM = 0.6  # on a grid the field is computed only this near to the wall
 
 

@@ -51,7 +51,7 @@ def _keep_vertices(points, triangles, keep):
 
 
 def _boundary_loops(triangles):
-    """Loops of vertex indices along the open edges, against the direction in which the triangles run."""
+    """Loops of vertex indices along the open edges, in the opposite direction to the edges' triangles."""
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     twins = set(map(tuple, edges[:, ::-1]))
     previous = {b: a for a, b in map(tuple, edges) if (a, b) not in twins}
@@ -95,7 +95,7 @@ def build(field, spacing_mm):
 
 
 def _largest_component(points, triangles):
-    """The connected part with most triangles. The other parts may be cut-off ends of the vessel's extensions."""
+    """The connected part with most triangles. Other parts may be pieces of the field's extensions beyond its ends."""
     i, j = triangles[:, 0], triangles[:, 1]
     k = triangles[:, 2]
     rows, columns = np.concatenate([i, j]), np.concatenate([j, k])
@@ -134,9 +134,9 @@ def _check_rim(rim_points, centre, normal):
 def _cap_disc(rim_points, centre, normal):
     """Flat cap: (inner points (k, 3) mm, triangles facing along the outward normal).
 
-    The triangles number the rim's points first, then the inner points. From the centre every point of the rim must be
-    in sight. The rim's points are moved to a unit circle, each at its angle, and triangulated there. Without this, a
-    rim with a hollow would be filled up to its convex hull.
+    The triangles number the rim's points first, then the inner points. Every point of the rim must be in sight from the
+    centre. The rim's points are moved to a unit circle, each at its angle, and triangulated there. Otherwise a hollow
+    in the rim would be filled up to the rim's convex hull.
     """
     u = rim_points[0] - centre
     u /= np.linalg.norm(u)

@@ -19,7 +19,8 @@ def section_area(points, triangles, centre, normal):
     cut = cut[near]
     if len(cut) < 3:
         return np.nan
-    # Each cut triangle gives one segment between two edges; `a` is the edge that rises through the plane.
+    # Each cut triangle gives one segment of an outline. It begins (`a`) on the edge that rises through the plane, and
+    # ends (`b`) on the edge that falls.
     starts, stops = [], []
     for k in range(3):
         i, j = cut[:, k], cut[:, (k + 1) % 3]
@@ -51,7 +52,10 @@ def section_area(points, triangles, centre, normal):
 
 
 def comparison_sections(branches, spacing_mm=0.5):
-    """[(branch name, s_mm, centre (3,), tangent (3,))] of sections of all branches, except near ends and ostia."""
+    """[(branch name, s_mm, centre (3,), tangent (3,))] of sections of all branches.
+
+    Sections near ends and ostia are left out, since they would cut a cap or another branch.
+    """
     found = []
     for branch in branches:
         radius = branch.radius_mm
@@ -68,7 +72,7 @@ def comparison_sections(branches, spacing_mm=0.5):
             away = np.linalg.norm(points - parent.axis.point(on_parent), axis=1)
             keep &= away > parent.radius(on_parent) + 2.0 * branch.radius(s)
         for child in children:
-            # Leaves out the child's ostium on the parent, with room for the rounded edge and an oblique exit.
+            # Sections at the child's ostium are left out, with room for its rounded edge and an oblique exit.
             keep &= np.abs(s - child.s_on_parent_mm - 1.0) > 2.5 * child.radius_mm[0] + 1.0
         s = s[keep]
         tangent = branch.axis.frame(s)[0]
@@ -79,15 +83,17 @@ def comparison_sections(branches, spacing_mm=0.5):
 def compare_areas(true, found, sections, compared_spans=None):
     """Compares the section areas of two surfaces, each (points, triangles), at `sections`.
 
-    sections: result of `comparison_sections`.
+    sections: result of `comparison_sections`. compared_spans: {branch: (start, end)} in mm, to compare only this part
+    of a branch.
 
-    compared_spans: {branch: (start, end)} in mm, to compare only this part of a branch.
+    Returns a dictionary. Differences are found minus true, over the sections with an outline in both surfaces.
 
-    Returns a dictionary. Differences are found minus true. Of the areas it has mean_difference_mm2, sd_mm2, and the
-    limits at +-1.96 sd, lower_limit_mm2 and upper_limit_mm2. Of the radii of circles of equal area it has
-    mean_radius_difference_mm and sd_radius_mm. resistance_ratio is the sum of A^-2 in `found` over the sum in `true`.
-    lost_sections counts sections without an outline in either surface. `sections` is the number of the others, over
-    which all is taken. true_minimal_area_mm2 and found_minimal_area_mm2 are the smallest areas.
+    - `sections` and `lost_sections` count the sections with and without an outline in both surfaces.
+    - mean_difference_mm2 and sd_mm2 are of the areas; lower_limit_mm2 and upper_limit_mm2 are their limits at +-1.96
+    sd.
+    - mean_radius_difference_mm and sd_radius_mm are of the radii of circles of equal area.
+    - resistance_ratio is the sum of A^-2 in `found` over the sum in `true`, where A is a section's area.
+    - true_minimal_area_mm2 and found_minimal_area_mm2 are the smallest areas.
     """
     if compared_spans:
         sections = [

@@ -1,4 +1,4 @@
-"""CT volume of a known lumen: partial-volume effect by supersampling, point spread, noise."""
+"""Renders the CT volume of a known lumen, with partial-volume effect (by supersampling), point spread and noise."""
 
 import sys
 
@@ -15,15 +15,15 @@ from common.errors import InputError
 from common.plaque_types import CALCIFIED, LIPID
 from common.volume import SIGMA_PER_FWHM, Image
 
-SLAB_LAYERS = 8  # voxel layers rendered at once; bounds the memory
-TISSUE_SAMPLES = 2  # per voxel edge; wall and plaque need fewer samples than the edge of the bright lumen
+SLAB_LAYERS = 8  # number of voxel layers rendered at once, to limit the memory
+TISSUE_SAMPLES = 2  # samples of wall and plaque along a voxel's edge; the bright lumen needs more (supersampling)
 MOST_VOXELS = 60e6
 
 
 def voxel_grid(vessel, settings):
     """(centre (3,) in mm of the first voxel, number of voxels (3,)) of a volume round all pieces of a Vessel.
 
-    Raises InputError for more than MOST_VOXELS.
+    settings: the section `phantom`. Raises InputError for more than MOST_VOXELS.
     """
     voxel, margin = np.array(settings["voxel_mm"]), settings["margin_mm"]
     points = np.concatenate([p for p, _ in vessel.pieces])
@@ -39,8 +39,8 @@ def voxel_grid(vessel, settings):
 def blur_matrix(count, voxel_mm, sigma_mm, factor):
     """Sparse matrix (count, count * factor) that turns samples along one axis into the voxels of the blurred image.
 
-    factor: samples in a voxel. A sample's weight is the Gaussian point spread, averaged over the voxel, at the sample's
-    distance from the voxel. The weights of a voxel sum to 1 unless the volume's edge cuts some off.
+    factor: number of samples in a voxel. A sample's weight is the Gaussian point spread, averaged over the voxel, at
+    the sample's distance from the voxel. The weights of a voxel sum to 1 unless the volume's edge cuts some off.
     """
     reach = int(np.ceil((4 * sigma_mm / voxel_mm + 0.5) * factor)) + 1
     offset = np.arange(-reach, reach + 1)
@@ -56,7 +56,7 @@ def blur_matrix(count, voxel_mm, sigma_mm, factor):
 
 
 def _inside_mask(poly, origin, spacing, shape):
-    """Whether each sample of a regular grid (shape) lies inside a closed surface: array of bool."""
+    """Whether each sample of a regular grid (shape) lies inside the closed surface `poly`: array of bool."""
     cut = vtk.vtkPolyDataToImageStencil()
     cut.SetInputData(poly)
     cut.SetOutputOrigin(*origin)
@@ -72,9 +72,9 @@ def _inside_mask(poly, origin, spacing, shape):
 
 
 def tissue_hu(depth_mm, plaque_mm, plaque_type, settings):
-    """HU at `depth_mm` behind the lumen's wall: plaque (calcium in its outer half), then healthy wall, then fat.
+    """HU at `depth_mm` behind the lumen's wall. From the lumen outwards there are plaque, healthy wall and fat.
 
-    depth_mm, plaque_mm, plaque_type: arrays of one shape.
+    Calcium is in the outer half of its plaque. depth_mm, plaque_mm, plaque_type: arrays of one shape.
     """
     hu = settings["hu"]
     calcified = (plaque_type == CALCIFIED) & (depth_mm > 0.5 * plaque_mm)
@@ -84,7 +84,10 @@ def tissue_hu(depth_mm, plaque_mm, plaque_type, settings):
 
 
 def render(vessel, settings, metal=None):
-    """Noise-free Image (float HU) of the vessel; metal: (points (n, 3) mm, volumes (n,) mm3) of stent struts."""
+    """Noise-free Image (float HU) of a Vessel.
+
+    metal: (points (n, 3) mm, volumes (n,) mm3) of pieces of stent struts, or None.
+    """
     origin, shape = voxel_grid(vessel, settings)
     voxel, factor, fat = np.array(settings["voxel_mm"]), settings["supersampling"], settings["hu"]["fat"]
     sample_mm = voxel / factor
@@ -129,8 +132,8 @@ def _slab_window(pieces, origin, voxel, shape, reach, first, layers):
         if piece_low[2] - reach < high_z and piece_high[2] + reach > low_z:
             points = vtk_to_numpy(poly.GetPoints().GetData())
             near = (points[:, 2] > low_z - reach - 1) & (points[:, 2] < high_z + reach + 1)
-            # The prisms that extend the ends have points at their two ends only. They may cross the slab without a
-            # point in it, so the box of the whole prism is taken.
+            # The first piece is the lumen, whose points are dense. The prisms that extend its ends have points at their
+            # two ends only. A prism may cross the slab without a point in it, so its whole box is taken.
             low.append(points[near].min(axis=0) if poly is pieces[0][0] and near.any() else piece_low)
             high.append(points[near].max(axis=0) if poly is pieces[0][0] and near.any() else piece_high)
     if not low:
@@ -143,10 +146,11 @@ def _slab_window(pieces, origin, voxel, shape, reach, first, layers):
 
 
 def _tissue_values(tree, vessel, settings, reach, corner, inside):
-    """HU minus that of fat, for plaque and wall at each sample of a slab. Samples inside the lumen are undefined.
+    """HU of plaque and wall, minus that of fat, at each sample of a slab.
 
-    inside: bool array of the slab's samples; the result has its shape. tree: cKDTree of vessel.tissue_points_mm. reach:
-    depth in mm of plaque and wall. corner (3,): lower corner of the slab in mm.
+    Samples inside the lumen are undefined. inside: bool array of the slab's samples; the result has its shape. tree:
+    cKDTree of vessel.tissue_points_mm. reach: depth in mm of plaque and wall. corner (3,): lower corner of the slab in
+    mm.
     """
     counts = np.array(inside.shape) // settings["supersampling"]
     factor, voxel = settings["supersampling"], np.array(settings["voxel_mm"])
@@ -165,7 +169,8 @@ def _tissue_values(tree, vessel, settings, reach, corner, inside):
     distance, index = tree.query((centres[near][:, None] + offsets[None]).reshape(-1, 3))
     hu = tissue_hu(distance, vessel.plaque_mm[index], vessel.plaque_type[index], settings) - settings["hu"]["fat"]
     hu = hu.reshape((len(near),) + (samples,) * 3)
-    # Each fine sample takes the value of the coarser tissue sample that it lies in.
+    # Tissue is sampled more coarsely than the lumen. Each fine sample takes the value of the tissue sample that it lies
+    # in.
     tissue_sample = np.minimum(np.arange(factor) * samples // factor, samples - 1)
     blocks = values.reshape(counts[0], factor, counts[1], factor, counts[2], factor)
     i, j, k = np.unravel_index(near, counts)
@@ -188,7 +193,10 @@ def _add_metal(slab, metal, settings, corner, sample_mm):
 
 
 def add_noise(image, settings):
-    """The image with Gaussian noise, white or correlated; standard deviation and seed are in the settings."""
+    """The image with Gaussian noise, white or correlated.
+
+    settings: the section `phantom`, with the noise's standard deviation and seed.
+    """
     noise = np.random.default_rng(settings["seed"]).standard_normal(image.values.shape, dtype=np.float32)
     if settings["noise_correlation_mm"] > 0:
         noise = gaussian_filter(noise, settings["noise_correlation_mm"] * SIGMA_PER_FWHM / image.spacing_mm)

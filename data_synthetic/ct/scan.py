@@ -20,9 +20,9 @@ SCHEMA = "vci-ct-1"
 def run(lumen_path, out, settings_path=None, struts_path=None, scene_path=None, centreline_path=None):
     """Writes `out`/ct.nii.gz and `out`/ct.json for the lumen at lumen_path; returns the latter's content.
 
-    Stents are given in one of two ways, or there are none. struts_path is a file of lines, whose thickness is in the
-    settings; scene_path is then not used. scene_path is a scene whose stents, with their own thickness, are laid on
-    this lumen along its centreline. Raises InputError.
+    Stents are given in one of two ways, or there are none. struts_path: a file of lines, whose thickness is in the
+    settings; scene_path is then not used. scene_path: a scene whose stents, with their own thickness, are laid on this
+    lumen along its centreline. Raises InputError.
     """
     settings = config.load_section(settings_path, "ct")["phantom"]
     poly = vtp.read_triangles(lumen_path, "run the anatomy step first")
@@ -49,7 +49,7 @@ def run(lumen_path, out, settings_path=None, struts_path=None, scene_path=None, 
 def sidecar(volume, settings, lumen_path, strut_source):
     """The content of ct.json: scanner, tissue and noise of a volume, and the lumen and struts that it was made from.
 
-    effective_fwhm_mm: width of the point spread with the blur by the voxel's own size.
+    Its effective_fwhm_mm is the width of the point spread together with the blur by the voxel's own size.
     """
     voxel = np.array(settings["voxel_mm"])
     sigma = settings["psf_fwhm_mm"] * image.SIGMA_PER_FWHM

@@ -1,4 +1,4 @@
-"""Stent struts in the phantom: rings of waves laid on the lumen's wall, or the lines of a file."""
+"""Stent struts for the phantom: rings of waves laid on the lumen's wall, or the lines of a file."""
 
 import numpy as np
 import vtk
@@ -34,7 +34,8 @@ def struts_on_wall(poly, axis_points_mm, start_s_mm, end_s_mm, crowns, links, th
         paths.append((s + WAVE_AMPLITUDE_MM * np.sin(crowns * theta), theta))
         if number + 1 < count:
             for link in range(links):
-                # A link goes at a constant angle, from a crest or trough of this ring's wave to that of the next ring.
+                # A link runs at a constant angle, from a crest or trough of this ring's wave to the crest or trough of
+                # the next ring.
                 angle = 2 * np.pi * (np.floor(link * crowns / links) + 0.25 + 0.5 * (number % 2)) / crowns
                 height = WAVE_AMPLITUDE_MM * np.sin(crowns * angle)
                 paths.append((np.linspace(s, rings[number + 1], 40) + height, np.full(40, angle)))
@@ -51,7 +52,8 @@ def _project_to_wall(tree, axis, s_mm, theta, thickness_mm):
         distance = np.linalg.norm(np.array(hits.GetPoint(0)) - centre) if hits.GetNumberOfPoints() else np.nan
         distances.append(distance)
     radius = np.array(distances)
-    # A strut bridges an ostium instead of following the wall into the side branch.
+    # Where a ray leaves through an ostium, the strut bridges it at the median radius instead of following the branch's
+    # wall.
     median_radius = np.nanmedian(radius)
     radius = np.where(np.isnan(radius) | (radius > 1.35 * median_radius), median_radius, radius) - 0.5 * thickness_mm
     return centres + radius[:, None] * rays
@@ -81,8 +83,8 @@ def read_struts(path):
 def struts_of_scene(scene, poly, centreline, where):
     """Strut pieces of every stent that the scene's procedure places, laid on the wall; None without a stent.
 
-    Gives centres (n, 3) mm and volumes (n,) mm3 of square struts, as thick as the stent's. centreline: {branch name:
-    points (n, 3) mm} of the same lumen. Raises InputError for a branch that it lacks.
+    Returns centres (n, 3) mm and volumes (n,) mm3 of the pieces of square struts, as thick as the stent's. centreline:
+    {branch name: points (n, 3) mm} of the same lumen. Raises InputError for a branch that the centreline lacks.
     """
     found = []
     for i, step in enumerate(scene["procedure"], start=1):

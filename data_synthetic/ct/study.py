@@ -1,4 +1,4 @@
-"""Error of the segmentation on known lumens: a table over cases, voxels, noise seeds and methods."""
+"""Measures the error of the segmentation on known lumens: a table over cases, voxels, noise seeds and methods."""
 
 import copy
 import csv
@@ -59,7 +59,7 @@ class KnownLumen:
         description = copy.deepcopy(case["vessel"])
         lesions = description["lesions"]
         if strut_mm:
-            # With a stent the vessel is as after a perfect treatment: healthy lumen, struts against the wall.
+            # The stented vessel is one after a perfect treatment: a healthy lumen, with struts against the wall.
             description["lesions"] = []
         self.branches = tree.grow(description, where)
         lumen = field.LumenField(self.branches)
@@ -137,10 +137,11 @@ def _method_rows(subject, noise_free, scanner, settings, methods, labels):
 
 
 def _segmentation_row(folder, subject):
-    """The table's columns from `status` or `sections` on, for one segmentation by the command `anatomy ct`.
+    """A part of a table's row: {column: value} for one segmentation by the command `anatomy ct`.
 
-    folder: holds the volume, its end points and the settings. Raises ComputationError if the command fails for a reason
-    other than the image's content.
+    It has the columns from `sections` on. If the image does not allow a segmentation, it has `status` alone. folder:
+    folder with the volume, its end points and the settings. Raises ComputationError if the command fails for another
+    reason.
     """
     command = [sys.executable, "-m", "anatomy", "ct", folder / "ct.nii", "--ends", folder / "ends.json"]
     command += ["--settings", folder / "settings.json", "--out", folder / "found"]

@@ -1,4 +1,4 @@
-"""The vessel to be scanned: a lumen surface with extended ends, and plaque and wall behind each point."""
+"""The vessel to be scanned: a lumen surface with extended ends, and plaque and wall behind each point of it."""
 
 from dataclasses import dataclass
 
@@ -11,16 +11,18 @@ from common import vtp
 from common.errors import InputError
 
 
-EXTENSION_MM = 4.0  # of the vessel beyond the surface's ends: farther than any blur reaches, so that no end is visible
-COPLANAR_COSINE = np.cos(np.radians(1.0))  # cosine of the largest angle between neighbouring triangles of a flat end
+# The vessel is extended this far beyond the ends of the surface. No blur reaches so far, so the image shows no end.
+EXTENSION_MM = 4.0
+COPLANAR_COSINE = np.cos(np.radians(1.0))  # neighbouring triangles of a flat end differ by at most 1 degree
 
 
 @dataclass
 class Vessel:
-    """A vessel to be scanned. pieces: closed surfaces (points (n, 3) mm, triangles (m, 3)).
+    """A vessel to be scanned.
 
-    The first piece is the lumen; one prism for each end follows. tissue_points_mm (k, 3): points on the walls of all
-    pieces. plaque_mm (k,), plaque_type (k,): thickness and type (common.plaque_types) of the plaque behind each.
+    pieces: closed surfaces (points (n, 3) mm, triangles (m, 3)). The first piece is the lumen; one prism for each end
+    follows. tissue_points_mm (k, 3): points on the walls of all pieces. plaque_mm (k,), plaque_type (k,): thickness and
+    type (common.plaque_types) of the plaque behind each of these points.
     """
 
     pieces: list
@@ -38,7 +40,7 @@ def from_surface(poly, where):
     _check_closed(triangles, where)
     a, b, c = points[triangles].transpose(1, 0, 2) - points.mean(axis=0)
     if np.sum(a * np.cross(b, c)) < 0:
-        triangles = triangles[:, ::-1]  # inside out: its ends would be extended inwards
+        triangles = triangles[:, ::-1]  # the surface is inside out; its ends would be extended inwards
     cap_of = _cap_numbers(poly, points, triangles)
     if cap_of.max() < 1:
         raise InputError(
@@ -73,7 +75,7 @@ def _area_vectors(points, triangles):
 def _cap_numbers(poly, points, triangles):
     """Number (m,) of the flat end to which each triangle belongs, -1 on the wall.
 
-    Taken from the array `region_id` if the surface has it. Otherwise flat discs are taken for ends.
+    The numbers come from the array `region_id` if the surface has it. Otherwise flat discs are taken for ends.
     """
     region = poly.GetCellData().GetArray("region_id")
     if region is not None:
@@ -130,7 +132,10 @@ def _plaque_behind_points(poly, points, triangles):
 
 
 def _extend_cap(points, cap):
-    """((points, triangles) of the prism made by extending a cap along its normal, indices of its rim, normal (3,))."""
+    """(prism, indices of the cap's rim, normal (3,)); the prism extends a cap along its normal.
+
+    prism: (points, triangles) of a closed surface.
+    """
     normal = _area_vectors(points, cap).sum(axis=0)
     normal /= np.linalg.norm(normal)
     used, local = np.unique(cap, return_inverse=True)

@@ -1,1 +1,1 @@
-"""Finite-element reference of the deployed lumen: plane-strain slices in FEniCSx, a beam that straightens the axis."""
+"""Finite-element reference of the deployed lumen: slices in plane strain, and a beam that straightens the axis."""

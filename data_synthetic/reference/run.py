@@ -21,7 +21,7 @@ from .surface import deformation, output, refine, straightening
 from .treatment import devices
 
 WALL_TOLERANCE_MM = 0.05  # a point nearer than this to the true wall counts as on the wall
-LEAST_WALL_SHARE = 0.8  # share of the lumen's points on the wall: usually 0.94 to 0.98, as the others lie on caps
+LEAST_WALL_SHARE = 0.8  # least share of the lumen's points on the true wall; usually 0.94 to 0.98, the others on caps
 
 
 def read_patient_and_steps(scene, scene_path, truth_path):
@@ -96,7 +96,8 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
 def _deform_surface(lumen, branches, move, edge_mm):
     """The lumen (vtkPolyData), refined where it is stretched and then moved. Raises ComputationError if it folds.
 
-    move: points (n, 3) mm -> moved points. edge_mm: edges longer than this after the move are halved.
+    move: function that takes points (n, 3) in mm and returns them moved. edge_mm: edges that are longer than this after
+    the move are halved.
     """
     field = LumenField(branches)
     before, triangles = vtp.points_and_triangles(lumen)
@@ -123,7 +124,10 @@ def _is_on_wall(field, points):
 
 
 def _check_same_vessel(lumen, branches, where):
-    """Raises InputError if the lumen (vtkPolyData) is of another vessel than the truth, or of an earlier version."""
+    """Raises InputError if too few points of the lumen (vtkPolyData) lie on the truth's wall.
+
+    The lumen is then of another vessel, or of an earlier version of the vessel.
+    """
     share = float(_is_on_wall(LumenField(branches), vtp.points(lumen)).mean())
     if share < LEAST_WALL_SHARE:
         raise InputError(

@@ -20,8 +20,8 @@ from flow.geometry import tet10
 logging.getLogger("FFC").setLevel(logging.WARNING)
 logging.getLogger("root").setLevel(logging.WARNING)
 
-# Flags of the C compiler for forms. By the same rule as for numpy, AVX2 is the most that a compiled form needs, so that
-# the results do not depend on the processor, and a cache of compiled forms serves all machines.
+# Flags of the C compiler for forms. As for numpy (common.processor), code for AVX2 is the most that is used. So results
+# do not depend on the processor, and a cache of compiled forms serves all machines.
 COMPILER_FLAGS = ("-O3", f"-march={processor.architecture(processor.cpu_flags())}", "-fno-math-errno")
 
 cell_dofs, degree, degrees = fenicsx.cell_dofs, fenicsx.degree_of, fenicsx.degrees
@@ -81,7 +81,7 @@ def form(expression):
 
 
 def block_matrix(compiled):
-    """Empty PETSc matrix of a compiled form on a vector space, stored in blocks, one for each pair of nodes."""
+    """Empty PETSc matrix of a compiled form on a vector-valued space. It has a dense block for each pair of nodes."""
     return fenicsx.create_matrix(compiled, "baij")
 
 
@@ -97,7 +97,7 @@ def to_csr(matrix):
 def interpolation_matrix(coarse, fine):
     """Sparse matrix (nodes of fine, nodes of coarse) that interpolates nodal values from one space to another.
 
-    coarse, fine: spaces on the same mesh. Of vector spaces the matrix is for one component.
+    coarse, fine: spaces on the same mesh. For vector-valued spaces the matrix acts on one component.
     """
     scalars = [function_space(space.mesh, scalar_element(space.mesh, degree(space))) for space in (fine, coarse)]
     found = to_csr(fenicsx.interpolation_matrix(*scalars[::-1]))
@@ -108,15 +108,15 @@ def interpolation_matrix(coarse, fine):
 
 
 def assemble(compiled):
-    """Values (n,) of a compiled form with one test function."""
+    """Assembled vector (n,) of a compiled linear form."""
     return fem.assemble_vector(compiled).array
 
 
 def subspace(mixed, index, element):
-    """(space, dofs (n,)) of part number `index` of a mixed space: dofs[i] is the mixed space's dof of the part's dof i.
+    """(space, dofs (n,)) of part `index` of a mixed space, as a space of its own: dof i of it is dofs[i] of `mixed`.
 
-    element: that of the part. It does the same as dolfinx's collapse(), which in 0.5.2 takes forty times as long on
-    cubic elements.
+    element: the part's element. dolfinx's collapse() does the same, but in 0.5.2 takes forty times as long on cubic
+    elements.
     """
     space = function_space(mixed.mesh, element)
     size, cells = space.dofmap.bs, cell_dofs(space)

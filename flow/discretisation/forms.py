@@ -1,6 +1,6 @@
 """The compiled forms of physics.navier_stokes on a function space: residual, tangents, terms of the energy balance.
 
-The artificial viscosity is eps h |u| (physics.navier_stokes). With eps = 0 the compiled forms do not contain it.
+The artificial viscosity is eps rho h |u| (physics.navier_stokes). With eps = 0 the compiled forms do not contain it.
 """
 
 import ufl
@@ -16,9 +16,9 @@ class NavierStokes:
     """Residual and tangents of a state w = (u, p) on a LumenSpace, in SI units, each compiled at its first use.
 
     state: Function on space.W; density in kg/m3; viscosity: law of physics.viscosity; grad_div in Pa s; backflow:
-    coefficient beta of the outlet term. `artificial_viscosity` is a constant with the value eps. Another space in two
-    or three dimensions will do if it has W, mesh, facet_tags and outlet_tags; for all but `residual` it also needs the
-    parts V and Q of W.
+    coefficient beta of the outlet term. `artificial_viscosity` is a constant with the value eps. `space` may also be
+    another object, in two or three dimensions, with W, mesh, facet_tags and outlet_tags. All forms but `residual` also
+    need the parts V and Q of W.
     """
 
     def __init__(self, space, state, density, viscosity, grad_div, backflow):
@@ -27,7 +27,7 @@ class NavierStokes:
         v, q = ufl.TestFunctions(space.W)
         du, dp = ufl.TrialFunctions(space.W)
         mesh, degree = space.mesh, compat.degrees(space.W)[0]
-        exact_degree = 3 * degree - 1  # polynomial degree of the convection term on straight elements, which most are
+        exact_degree = 3 * degree - 1  # polynomial degree of the convection term on straight elements, as most are
         dx = ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": exact_degree})
         ds = ufl.Measure(
             "ds", domain=mesh, subdomain_data=space.facet_tags, metadata={"quadrature_degree": exact_degree + 1}
@@ -51,7 +51,7 @@ class NavierStokes:
             "artificial": artificial(u),
             "backflow": weak.backflow(u, u, v, fluid, domain),
         }
-        # flow of kinetic energy in W out of the lumen through the boundaries `tags`
+        # kinetic energy that leaves the lumen through the boundaries `tags`, in watts
         self.kinetic_energy_flow = lambda tags: 0.5 * density * ufl.inner(u, u) * ufl.dot(u, domain.n) * ds(tags)
         self._mass = lambda du_, v_: density * ufl.inner(du_, v_) * dx
         self._dx, self._space, self._state, self._compiled = dx, space, state, {}
@@ -60,7 +60,7 @@ class NavierStokes:
     def _compiled_form(self, name, build):
         """The compiled form `name`, made by build(index) at its first use.
 
-        index: 0 without, 1 with artificial viscosity, the place in _residuals and _picards.
+        index: 1 with artificial viscosity, else 0. It selects the form in _residuals and _picards.
         """
         index = int(self.artificial_viscosity.value > 0)
         if (name, index) not in self._compiled:
@@ -77,7 +77,7 @@ class NavierStokes:
         return compat.assemble(self.residual)
 
     def artificial_force(self):
-        """The part of the residual (n,) over W by the artificial viscosity, at the present state."""
+        """The part of the residual (n,) over W that the artificial viscosity makes, at the present state."""
         return compat.assemble(self._compiled_form("artificial", lambda _: compat.form(self.losses["artificial"])))
 
     @staticmethod
@@ -92,7 +92,7 @@ class NavierStokes:
 
     @property
     def picard(self):
-        """Velocity block of Picard's linearisation, in which convecting velocity and viscosities are kept fixed."""
+        """Velocity block of Picard's linearisation. It keeps the convecting velocity and the viscosities fixed."""
         test, trial = self._arguments
 
         def build(index):
@@ -107,13 +107,13 @@ class NavierStokes:
 
     @property
     def divergence(self):
-        """Rows of the tangent for the continuity equation: -(q, div du), q in Q, du in V. No state changes them."""
+        """Rows of the tangent for the continuity equation: -(q, div du), q in Q, du in V. They depend on no state."""
         du, q = ufl.TrialFunction(self._space.V), ufl.TestFunction(self._space.Q)
         return self._compiled_form("divergence", lambda _: compat.form(-q * ufl.div(du) * self._dx))
 
     @property
     def mass(self):
-        """rho (du, v) over V; its matrix times du/dt is the inertia in a time-dependent flow."""
+        """rho (du, v) over V. In a time-dependent flow this matrix times du/dt is the force of inertia."""
         return self._compiled_form("mass", lambda _: compat.form(self._mass(*self._velocities())))
 
     def _velocities(self):
@@ -126,13 +126,13 @@ class NavierStokes:
         return ufl.as_vector([*velocity, 0.0])
 
     def _velocity_tangent(self, index):
-        """UFL derivative of the momentum residual by the velocity, over V; index: as in `_compiled_form`."""
+        """UFL derivative of the momentum residual with respect to the velocity, over V. index: see `_compiled_form`."""
         du, v = self._velocities()
         momentum = ufl.replace(self._residuals[index], {self._arguments[0]: self._with_zero_pressure(v)})
         return ufl.derivative(momentum, self._state, self._with_zero_pressure(du))
 
 
 def from_document(space, state, document, settings):
-    """NavierStokes with the fluid of boundary.json's document and the weights of the settings."""
+    """NavierStokes with the fluid of `document`, the content of boundary.json, and the weights of the settings."""
     fluid = document["density_kg_per_m3"], viscosities.from_document(document)
     return NavierStokes(space, state, *fluid, settings.grad_div_pa_s, settings.backflow_coefficient)

@@ -1,6 +1,6 @@
 """Taylor-Hood space on a lumen mesh: velocity P2 and pressure P1, the boundaries' dofs, and the inlet's profile.
 
-errors.error_field asks for the next richer pair, P3 and P2, on the same mesh.
+errors.error_field also uses the pair P3 and P2 on the same mesh.
 """
 
 import functools
@@ -26,9 +26,10 @@ STRAIGHT_TOLERANCE = 1e-6
 class LumenSpace:
     """A mesh in metres with its facet tags and the function spaces on it.
 
-    W: velocity and pressure; V, Q: its two parts; v_map, q_map: their dofs in W. outlets: physical tags, ascending;
-    wall, inlet: velocity dofs in W on these boundaries; free: all other dofs of W. degree: polynomial degree of the
-    velocity elements; `nodes`, `nodal_pressure` and `corner_values` need degree 2.
+    W: velocity and pressure; V, Q: its two parts; v_map, q_map: numbers in W of their dofs. outlet_tags: physical tags
+    of the outlets, ascending. wall_dofs, inlet_dofs: velocity dofs in W on these boundaries, the inlet's without its
+    rim; free_dofs: all other dofs of W. degree: polynomial degree of the velocity elements; `nodes`, `nodal_pressure`
+    and `corner_values` need degree 2.
     """
 
     def __init__(self, mesh, facets, where="mesh", degree=2):
@@ -69,12 +70,12 @@ class LumenSpace:
         return float(np.real(fem.assemble_scalar(compat.form(one * self.ds(tag)))))
 
     def centre(self, tag):
-        """Mean (3,) in m of the velocity nodes on the boundary with a physical tag."""
+        """Mean position (3,) in m of the velocity nodes on the boundary with a physical tag."""
         facets = self.facet_tags.indices[self.facet_tags.values == tag]
         return self.V.tabulate_dof_coordinates()[fem.locate_dofs_topological(self.V, 2, facets)].mean(axis=0)
 
     def flux_vector(self, tag):
-        """Values (n,) over W whose product with a state is the outflow in m3/s through the boundary with a tag.
+        """Values (n,) over W whose scalar product with a state is the outflow in m3/s through the boundary with a tag.
 
         They are the integrals of v.n over the boundary, v being a basis function.
         """
@@ -90,7 +91,7 @@ class LumenSpace:
 
     @functools.cached_property
     def locator(self):
-        """The locate.Locator of points in the cells."""
+        """The locate.Locator that finds the cells of points in m."""
         return locate.Locator(*self.nodes())
 
     def sampler(self, state):
@@ -123,7 +124,8 @@ class LumenSpace:
     def inlet_profile(self):
         """Velocity (n,) over W at the inlet for an inflow of 1 m3/s, with the fully developed profile of its shape.
 
-        -laplace(phi) = 1 on the cap, phi = 0 on its rim; velocity goes with -n phi. On a disc it is parabolic.
+        The velocity is -phi n times a factor, where -laplace(phi) = 1 on the cap and phi = 0 on its rim. On a disc this
+        profile is parabolic.
         """
         S = compat.function_space(self.mesh, compat.scalar_element(self.mesh, self.degree))
         phi, psi = ufl.TrialFunction(S), ufl.TestFunction(S)
@@ -176,9 +178,9 @@ def check_coarser(paths):
 def _check_cells(space, path):
     """Raises InputError for cells that are turned inside out, overlap their neighbours, or are too distorted.
 
-    With inverted or overlapping cells a flow would be found as well, but mass would not be conserved. Cells are too
+    A flow would be found with inverted or overlapping cells too, but mass would not be conserved. Cells are too
     distorted if `flow mesh` would not write them. Their shape measure gamma (3 inradius / circumradius, see
-    flow.geometry.curving.gamma) is not checked: `flow mesh` limits it only for cells that are not swept, and a mesh
+    flow.geometry.curving.gamma) is not checked. `flow mesh` limits gamma only for cells that are not swept, and a mesh
     file does not tell which these are.
     """
     remedy = "make the mesh anew with `flow mesh`, which checks every cell"
@@ -201,8 +203,8 @@ def _check_cells(space, path):
 def _check_curved(space, path):
     """Raises InputError for a mesh whose edges are all straight.
 
-    A wall of plane facets encloses less than the lumen. The error estimate does not see this error, since finer meshes
-    of the same facets have it too.
+    A wall of plane facets encloses less than the lumen. The error estimate does not see this error, since a finer mesh
+    of the same facets has it too.
     """
     points, cells = space.nodes()
     start, end = (points[cells[:, tet10.EDGES[:, k]]] for k in (0, 1))

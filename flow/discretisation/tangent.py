@@ -3,9 +3,9 @@
     [A  B']      A: velocity block, assembled at each linearisation; B: -(q, div u), which no state changes
     [B  0 ]
 
-A is assembled by 3 x 3 blocks, one for each pair of velocity nodes. Entry by entry PETSc would look up the place of
-each of a cell's 34 x 34 values in its row, which takes twice as long as computing the values. By blocks it looks up 100
-places for each cell. The place of each value of A in the matrix of the free dofs is computed once.
+A is assembled in 3 x 3 blocks, one for each pair of velocity nodes. For each of them PETSc must find the place in its
+row. A cell has 100 blocks, but 34 x 34 single values: finding their places would take twice as long as computing them.
+The place of each value of A in the matrix of the free dofs is computed once.
 """
 
 import numpy as np
@@ -32,7 +32,7 @@ class FreeMatrix:
         self.divergence = compat.to_csr(fem_petsc.assemble_matrix(forms.divergence))  # B (dofs of Q, dofs of V)
         pattern = self._pattern(numbers)
         self.sources, self.values = pattern.data.astype(np.int64) - 1, np.zeros(pattern.nnz)
-        self.constant_places = np.flatnonzero(self.sources < 0)  # places of B and of the zeros
+        self.constant_places = np.flatnonzero(self.sources < 0)  # entries that no state changes: B, and explicit zeros
         values = np.append(self.divergence.data, 0.0)[-self.sources[self.constant_places] - 2]
         self.constant_values, self.sources[self.constant_places] = values, 0
         self.matrix = _matrix_on(pattern, self.values)
@@ -40,14 +40,14 @@ class FreeMatrix:
     def _pattern(self, velocity):
         """CSR matrix with the pattern of `matrix`, whose values say where each entry of `matrix` comes from.
 
-        1, 2, ... stand for the entries of A in their order, as in the CSR matrix `velocity` with A's pattern; -1, -2,
-        ... for those of B. The next number after the last entry of B stands for a zero.
+        Values 1, 2, ... stand for the entries of A, in their order in the CSR matrix `velocity`, which has A's pattern.
+        Values -1, -2, ... stand for the entries of B. The value after that of B's last entry stands for a zero.
         """
         space, row = self.space, self.divergence.copy()
         row.data = -1 - np.arange(row.nnz, dtype=np.int32)
         corners = compat.cell_dofs(space.Q)
         pairs = np.repeat(corners, 4, axis=1).ravel(), np.tile(corners, 4).ravel()
-        # zeros between the pressures of one cell are in the pattern, for the ordering by MUMPS
+        # the pattern also has zeros between the pressures of one cell, which MUMPS uses when it orders the unknowns
         zero = scipy.sparse.csr_matrix((np.ones(len(pairs[0]), np.int32), pairs), 2 * (row.shape[0],))
         zero.data[:] = -1 - row.nnz
         border = scipy.sparse.bmat([[None, row.T], [row, zero]], "csr")
@@ -63,8 +63,8 @@ class FreeMatrix:
     def assemble(self, form, inertia=None):
         """Fills the matrix at the present state.
 
-        form: its velocity block, `tangent` or `picard` of forms.NavierStokes; inertia: solvers.marching.Inertia, whose
-        part is added, or None.
+        form: form of the velocity block, `tangent` or `picard` of forms.NavierStokes; inertia:
+        solvers.marching.Inertia, whose part is added, or None.
         """
         self.velocity.zeroEntries()
         fem_petsc.assemble_matrix(self.velocity, form)

@@ -8,7 +8,7 @@ import numpy as np
 from common.errors import ComputationError
 from flow.errors import error_field
 
-# Share of its value by which each part of the dual-weighted residual may be wrong. Where the parts do not cancel, their
+# Each part of the dual-weighted residual may be wrong by this share of its value. Where the parts do not cancel, their
 # sum was .5 to .8 of the true error. With a share of .5 the estimate was below the true error at Re 1,500, and for
 # lesions of 80 and 85 % on four rings.
 PART_UNCERTAINTY = 0.75
@@ -17,7 +17,7 @@ SAFETY_FACTOR = 1.5  # factor on the effect of the artificial viscosity
 # number of rings (measured.md). So the difference of two meshes is no bound of the error; it shows how much FFR still
 # depends on the mesh.
 ASSUMED_ORDER = 2.0
-LEAST_WIDTH_RATIO = 1.05  # of the mesh widths, coarse over fine; if they are closer, the two meshes are not compared
+LEAST_WIDTH_RATIO = 1.05  # two meshes are compared only if the ratio of their mesh widths, coarse over fine, is larger
 INTERNAL_KEYS = ("probes", "basis")  # keys of an estimate that are not written to ffr.json
 
 
@@ -26,8 +26,8 @@ class EstimateBasis:
     """The flows and fields behind an estimate, from which errors.pointwise makes estimates at other places.
 
     field: errors.error_field.ErrorField, or None where it could not be solved for. pair: (fine, coarse, share), or None
-    without a coarser mesh. fine and coarse are (sampler, outflows in m3/s); share times the difference of the two is
-    the error by Richardson's extrapolation.
+    without a coarser mesh. fine and coarse are (sampler, outflows in m3/s). By Richardson's extrapolation the error of
+    a quantity is share times its difference between fine and coarse.
     """
 
     field: object = None
@@ -40,13 +40,13 @@ def estimate_error(solved, document, tree, ffr_at_probes, coarser=None):
     solved, coarser: solvers.solved_mesh.SolvedMesh; document: content of boundary.json; tree: centreline tree without
     extensions; ffr_at_probes(sampler) -> FFR at the probes, `distal` first.
 
-    The error by the mesh is the larger of two entries. `goal` follows from the dual-weighted residual
-    (`error_of_parts`), `mesh` from Richardson's extrapolation with the flow `coarser` on a coarser mesh. It is
-    |fine - coarse| / (r^2 - 1), where r^3 is the ratio of the numbers of cells. Both flows must have the same eps, and
-    r must be above LEAST_WIDTH_RATIO.
-    SAFETY_FACTOR times the effect of the artificial viscosity on FFR, `artificial_viscosity`, is added. All these
-    entries are values at `distal`. If the linear solves for `goal` fail, `mesh` alone is the estimate. The estimate is
-    None if `mesh` is missing too, or if an artificial viscosity is left.
+    The error by the mesh is the larger of two entries, `goal` and `mesh`. `goal` follows from the dual-weighted
+    residual (`error_of_parts`). `mesh` is Richardson's extrapolation |fine - coarse| / (r^2 - 1) with the flow
+    `coarser` on a coarser mesh, r^3 being the ratio of the numbers of cells. It needs the same eps in both flows, and
+    an r above LEAST_WIDTH_RATIO.
+    SAFETY_FACTOR times the effect of the artificial viscosity on FFR, the entry `artificial_viscosity`, is added. All
+    these entries are values at `distal`. `goal` and this effect need linear solves. If these fail, `mesh` alone is the
+    estimate. The estimate is then None if `mesh` is missing too, or if there is an artificial viscosity.
     """
     found, methods, parts, artificial = [], [], {}, None
     ratio, basis = 0.0, EstimateBasis()
@@ -92,7 +92,7 @@ def error_of_parts(parts):
 
 
 def shown_entries(estimate):
-    """The entries of an estimate that ffr.json shows, which hold for the probe `distal`; None for None."""
+    """The entries of an estimate that ffr.json shows. They hold for the probe `distal`. None without an estimate."""
     return estimate and {key: value for key, value in estimate.items() if key not in INTERNAL_KEYS}
 
 

@@ -5,16 +5,16 @@ The dual solution z says how much J changes with each equation: K^T z = dJ/dw. A
 -R(w; z). So computed minus true J is R(w; z - i z). Here i z is the interpolant of z in the finite-element space, for
 which R is zero (Galerkin). z itself is recovered as cubic velocity and quadratic pressure (errors.recovery).
 
-The contributions to R(w; z - i z) change sign along a vessel, and each may be wrong by about half of its value. Where
-they nearly cancel, their sum says nothing. So they are kept apart for stretches of the vessel one diameter long. Part k
-is the residual r_k of stretch k, weighted by z - i z.
+The contributions to R(w; z - i z) change sign along a vessel, and each may be wrong by a large share of its value. So
+where they nearly cancel, their sum says nothing. They are kept apart for stretches of the vessel one diameter long.
+Part k is the residual r_k of stretch k, weighted by z - i z.
 
 Part k is linear in z: it is G_k z, with G_k = (recovery - interpolation)^T r_k. So part k = dJ/dw e_k with K e_k = G_k.
 The field e_k is the error, computed minus true, that stretch k makes in the whole flow. One solve for each stretch
 gives the parts at every probe, outlet and point of the pull-back.
 
 The artificial viscosity gives one more part. It adds the force A(w) = eps rho h (|u| grad u, grad v) to the equations.
-So the solution of K e = -A(w) is its effect on the flow: eps times the flow's derivative with respect to eps.
+Its effect on the flow is the solution e of K e = -A(w): eps times the flow's derivative with respect to eps.
 """
 
 import numpy as np
@@ -29,13 +29,14 @@ from flow.geometry import tet10
 from flow.errors.recovery import Patches
 from flow.physics.units import M_PER_MM
 
-LOADS_AT_ONCE = 16  # number of loads that are solved for at a time
-# The means round a point ignore the pressure further than this many radii away: the Gaussian weight is exp(-25) there.
+LOADS_AT_ONCE = 16  # number of loads that are solved for together
+# The change of FFR at a point is a mean with a Gaussian weight. Pressures more than this many radii away are left out,
+# since their weight is below exp(-25).
 WINDOW_RADII = 5.0
 
 
 class ErrorField:
-    """The changes of a steady flow by k loads, as far as FFR depends on them.
+    """The changes that k loads make in a steady flow. Only the values on which FFR depends are kept.
 
     pressure (q, k) in Pa at the pressure's dofs, which lie at `pressure_points` (q, 3) in m; outflows (o, k) in m3/s.
     solved: solvers.solved_mesh.SolvedMesh; loads (n, k): sparse, over W.
@@ -55,7 +56,7 @@ class ErrorField:
     def ffr_changes(self, names, points_mm, radii_mm):
         """Change (o + m, k) of FFR by each load, at the mesh's outlets `names` (o), then at points_mm (m, 3).
 
-        At a point it is the change of a mean FFR, weighted over about the vessel's radius radii_mm (m,).
+        At a point it is the change of FFR averaged over about one vessel radius, radii_mm (m,).
         """
         chosen = [self.boundaries.outlet_names.index(name) for name in names]
         means = self._averaging_matrix(points_mm, radii_mm)
@@ -63,7 +64,7 @@ class ErrorField:
         return np.concatenate([of_outlets, means @ self.pressure]) / self.boundaries.map_pa
 
     def _averaging_matrix(self, points_mm, radii_mm):
-        """Sparse (m, q) matrix. Times a pressure (q,) it gives the mean pressures round points_mm (m, 3).
+        """Sparse (m, q) matrix. Times pressures (q,) it gives their weighted means round points_mm (m, 3).
 
         The weight is exp(-(distance / radius)^2), with the radii radii_mm (m,).
         """
@@ -107,7 +108,11 @@ def solve_error_field(solved, document, tree):
 
 
 def stretch_loads(problem, document, tree):
-    """Sparse matrix (n, k) over W: column k is G_k of stretch k. problem: solvers.nonlinear.FlowProblem."""
+    """Sparse matrix (n, k) over W, whose column k is the load G_k of stretch k (see above).
+
+    problem: solvers.nonlinear.FlowProblem; document: content of boundary.json; tree: centreline tree without
+    extensions.
+    """
     space = problem.space
     richer = spaces.LumenSpace(space.mesh, space.facet_tags, degree=space.degree + 1)
     parts = ((space.V, space.v_map, richer.V, richer.v_map, 3), (space.Q, space.q_map, richer.Q, richer.q_map, 1))
@@ -139,7 +144,7 @@ def stretch_loads(problem, document, tree):
 
 
 def stretch_numbers(tree):
-    """Number of the stretch (n,) of each centreline point, in the numbering of Tree.nearest.
+    """Number (n,) of the stretch to which each centreline point belongs, in the numbering of Tree.nearest.
 
     A stretch is one local diameter long.
     """
@@ -174,7 +179,8 @@ def _mass_matrix(space):
 def richer_residual(problem, richer, values, document):
     """Momentum and continuity residual (n,) over W of the LumenSpace `richer`.
 
-    values (n,): the present flow of the solvers.nonlinear.FlowProblem, interpolated to W of `richer`.
+    values (n,): the present flow of `problem` (solvers.nonlinear.FlowProblem), interpolated to W of `richer`; document:
+    content of boundary.json.
     """
     state = fem.Function(richer.W)
     state.x.array[:] = values

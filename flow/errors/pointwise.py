@@ -1,8 +1,8 @@
 """Estimated error of FFR at the outlets and along the pull-back.
 
 The estimate follows the same method as at the probes (errors.error_estimate), from the same flows
-(error_estimate.EstimateBasis). At a point of the pull-back the interpolation error is added: the pressure is linear in
-each cell, which matters in a throat.
+(error_estimate.EstimateBasis). At a point of the pull-back the interpolation error is added. It matters in a throat,
+since the pressure is linear in each cell.
 
 Shapes below: o outlets, e of them with an extension of the mesh, m points of the pull-back.
 """
@@ -17,10 +17,10 @@ ESTIMATE_COLUMN = "ffr_error_estimate"  # column of pullback.csv
 
 
 def add_estimates(solved, case, answer, table):
-    """Writes the estimates into `answer`, the document of ffr.json, and `table`, that of pullback.csv.
+    """Writes the estimates into `answer`, the document of ffr.json, and into `table`, the table of pullback.csv.
 
-    Each outlet gets `error_estimate`, the table ESTIMATE_COLUMN, the document `pullback_error_estimate`. They are None,
-    or NaN in the table, where the error is not known. solved: solvers.solved_mesh.SolvedMesh or
+    Each outlet gets `error_estimate`, the table the column ESTIMATE_COLUMN, and the document `pullback_error_estimate`.
+    They are None, or NaN in the table, where the error is not known. solved: solvers.solved_mesh.SolvedMesh or
     reduced.answer.ReducedAnswer; case: reduced.extended.ExtendedLumen.
     """
     if solved.estimate is None:
@@ -41,7 +41,8 @@ class FfrPlaces:
     """The places at which FFR is read: the outlets `outlet_names` (o) and the points of the pull-back's table (m).
 
     At an outlet with an extension, FFR is read where the vessel ends without it. points_mm (e + m, 3) and the vessel's
-    radii_mm (e + m,) are those of these ends, then of the pull-back. ends: numbers (e,) of these outlets.
+    radii_mm (e + m,) list these ends first, then the points of the pull-back. ends: places (e,) of these outlets in
+    outlet_names.
     """
 
     def __init__(self, solved, case, names, table):
@@ -55,15 +56,15 @@ class FfrPlaces:
         self.radii_mm = np.array([branch.radius(s_mm) for branch, s_mm in on])
 
     def read_ffr(self, sampler, outflows):
-        """FFR (o + m,) of a flow, by its sampler and its flows through the outlets (m3/s)."""
+        """FFR (o + m,) of a flow, from its sampler and its flows through the outlets (m3/s)."""
         ends = ffr.at_outlets(self.outlet_names, self.boundaries.pressures(outflows), self.case, sampler)
         points = self.points_mm[len(self.ends) :] * M_PER_MM
         return np.concatenate([ends, sampler(points)[1] / self.case.document["map_pa"]])
 
     def errors_by_field(self, field):
-        """[error (o + m,) by the mesh, enlarged effect (o + m,) of the artificial viscosity] on FFR.
+        """[errors (o + m,) by the mesh, effects (o + m,) of the artificial viscosity] on FFR.
 
-        The effect is multiplied by error_estimate.SAFETY_FACTOR. field: error_field.ErrorField.
+        The effects are multiplied by error_estimate.SAFETY_FACTOR. field: error_field.ErrorField.
         """
         parts = field.ffr_changes(self.outlet_names, self.points_mm, self.radii_mm)
         at_points = field.interpolation_error_pa(self.points_mm) / self.case.document["map_pa"]

@@ -3,28 +3,29 @@
 Superconvergent patch recovery of Zienkiewicz and Zhu 1992, Int J Numer Meth Engng 33. Here it is applied to the values
 of a field, as for dual-weighted residuals (Becker and Rannacher 2001, Acta Numerica 10). The patch of a corner is the
 set of cells that meet there. A polynomial is fitted by least squares to the values at the patch's nodes. The recovered
-field is wanted at targets, the nodes of a higher-order element. At a target the polynomials of all patches in which it
-lies are averaged. Patches with equal numbers of nodes and of targets are fitted together, in one array operation.
+field is wanted at targets, the nodes of a higher-order element. Its value there is the mean over the polynomials of all
+patches that contain the target. Patches with equal numbers of nodes and of targets are fitted in one array operation.
 """
 
 import numpy as np
 import scipy.sparse
 
 
-# Exponents of the monomials in three coordinates, up to degree 3, and those up to degree 2 and 3.
+# Exponents of the monomials in three coordinates: up to degree 3, and in TERMS up to degree 2 and up to degree 3.
 EXPONENTS = np.array([[i, j, k] for i in range(4) for j in range(4 - i) for k in range(4 - i - j)])
 TERMS = {degree: EXPONENTS[EXPONENTS.sum(axis=1) <= degree] for degree in (2, 3)}
 LEAST_NODES_PER_TERM = (
     1.5  # a patch with fewer nodes than this times the polynomial's terms is enlarged by the neighbouring cells
 )
 # Singular values of a fit below this share of the largest are dropped. In a swept mesh a patch may have too few layers
-# of nodes for a cubic. A singular value is then 0 but for rounding, 1e-7 to 1e-5. Its inverse would make spikes of 1e4.
+# of nodes for a cubic. Then a singular value would be 0, but rounding makes it 1e-7 to 1e-5. Its inverse would make
+# spikes of 1e4.
 SINGULAR_VALUE_CUTOFF = 1e-3
-LARGEST_BATCH = 1_000_000  # numbers in an array of patches that are fitted together; it limits the memory
+LARGEST_BATCH = 1_000_000  # most numbers in one array of patches that are fitted together, to limit the memory
 
 
 class Patches:
-    """The patches of a mesh of quadratic tetrahedra with nodes (n, 3) and cells (t, 10), as geometry.tet10."""
+    """The patches of a mesh of quadratic tetrahedra with nodes (n, 3) and cells (t, 10), ordered as geometry.tet10."""
 
     def __init__(self, nodes, cells):
         self.nodes, self.corner = nodes, cells[:, :4]
@@ -32,12 +33,12 @@ class Patches:
         self.cells_at = _incidence(number.reshape(-1, 4), len(corners)).T.tocsr()  # (corners, cells)
 
     def recover(self, degree, sources, values, targets, cell_targets, wanted):
-        """Recovered values (m,) at the targets (m, 3) of the cells with the numbers `wanted`; other values are wrong.
+        """Recovered values (m,) at the targets (m, 3). They are right only in the cells with the numbers `wanted`.
 
         degree: polynomial degree; sources (t, a): numbers of the nodes in each cell at which `values` (n,) are known;
         cell_targets (t, b): numbers of the targets in each cell.
         """
-        one, own = np.ones((len(targets), 1)), np.arange(len(targets))  # a load and a group for each target
+        one, own = np.ones((len(targets), 1)), np.arange(len(targets))  # each target: a load of 1, its own group
         field = degree, sources, one, targets, cell_targets, own
         ((recovery,),) = self.recover_transposed([field], len(targets), wanted)
         return recovery.T @ values
@@ -46,9 +47,10 @@ class Patches:
         """The transpose of `recover`, applied to loads at the targets, for each group of targets by itself.
 
         fields: [(degree, sources (t, a), loads (m, c), targets (m, 3), cell_targets (t, b), group (m,))], as in
-        `recover`; group: number of each target's group, below `groups`. The result is for each field a list over c of
-        sparse matrices (n, groups). A column times nodal values (n,) is the sum, over the targets of that group, of
-        load times recovered value. wanted: numbers of cells. If given, only their targets count.
+        `recover`. group: number of each target's group, below `groups`. The result has for each field a list of c
+        sparse matrices (n, groups), one for each column of loads. A matrix's column times nodal values (n,) is the sum
+        of load times recovered value over the targets of one group. wanted: numbers of cells; if given, only their
+        targets count.
         """
         patches, found = self._patches_touching(wanted), []
         for degree, sources, loads, targets, cell_targets, group in fields:
@@ -72,8 +74,10 @@ class Patches:
         return found
 
     def _patches_touching(self, wanted):
-        """Sparse (patches, cells) matrix: which cells each patch has. wanted: only patches with a cell that touches
-        one of these cells (numbers); None for all patches."""
+        """Sparse (patches, cells) matrix: which cells each patch has.
+
+        wanted: numbers of cells. Patches without a cell that touches one of these are left out; None keeps all patches.
+        """
         patches = self.cells_at
         if wanted is not None:
             neighbours = np.isin(self.corner, self.corner[wanted]).any(axis=1)
@@ -81,11 +85,11 @@ class Patches:
         return patches
 
     def _equal_patches(self, patches, degree, sources, cell_targets, targets, components):
-        """Yields (nodes (p, n), targets (p, m)) of patches with equal numbers of source nodes and of targets.
+        """Yields node numbers (p, n) and target numbers (p, m) of p patches that have equal numbers of both.
 
-        patches: result of `_patches_touching`; degree, sources, cell_targets: as in `recover`; targets: their number;
-        components: numbers at each target. A patch with too few nodes for the degree is enlarged by the neighbouring
-        cells. LARGEST_BATCH limits how many patches are yielded at once.
+        patches: result of `_patches_touching`; degree, sources, cell_targets: as in `recover`; targets: number of
+        targets; components: number of loads at each target. A patch with too few nodes for the degree is enlarged by
+        the neighbouring cells. LARGEST_BATCH limits how many patches are yielded at once.
         """
         terms = len(TERMS[degree])
         sources, patch_targets = _incidence(sources, len(self.nodes)), _sort_columns(
@@ -139,7 +143,7 @@ def _sort_columns(matrix):
 
 
 def _entry_columns(matrix, chosen, size):
-    """Column numbers (p, size) of the entries in the rows `chosen` (p,) of a sparse matrix; each has `size` entries."""
+    """Column numbers (p, size) of the entries in rows `chosen` (p,) of a sparse matrix, each with `size` entries."""
     return matrix.indices[matrix.indptr[chosen][:, None] + np.arange(size)]
 
 
@@ -151,7 +155,7 @@ def _fit_patches(points, targets, terms):
     """
     middle = points.mean(axis=1, keepdims=True)
     off = points - middle
-    # scaled along the patch's principal axes, since cells are several times longer than wide
+    # coordinates are scaled along the patch's principal axes, since cells are several times longer than wide
     square, axes = np.linalg.eigh(off.transpose(0, 2, 1) @ off)
     turn = axes / np.sqrt(np.maximum(square / points.shape[1], 1e-300))[:, None]
     known, wanted = _monomials(off @ turn, terms), _monomials((targets - middle) @ turn, terms)

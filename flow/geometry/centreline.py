@@ -10,15 +10,16 @@ from common import vtp
 from common.errors import InputError
 from flow.geometry.surface import INLET
 
-# Limits of the distance from a centreline point to the nearest wall node, over the centreline's radius there. In the
-# study it is 1.00 to 1.05. With the centreline of the state before or after an intervention it is as little as .52 and
-# as much as 1.82.
+# Limits of a ratio: the distance from a centreline point to the nearest wall node, over the centreline's radius there.
+# In the study the ratio is 1.00 to 1.05. With the centreline of the state before or after an intervention it falls to
+# .52 in places and rises to 1.82 in others.
 NEAREST_WALL, FURTHEST_WALL = 0.7, 1.5
 CAP_DISTANCE_RADII = (
     1.5  # largest distance of a branch's end from the centre of its cap, in radii of the cap (study: .015)
 )
 LENGTH_TOLERANCE = 0.01  # largest difference of s_mm from the arc length, over the branch's length (study: .0005)
-# A wall node may always be this much further away than the radius: in a throat nodes may be a diameter apart.
+# The nearest wall node may always be this much further away than the radius: in a throat, nodes may be a diameter
+# apart.
 WALL_ALLOWANCE_MM = 0.3
 
 
@@ -54,9 +55,9 @@ class Branch:
         return float(self.s_mm[k] + t[k] * (self.s_mm[k + 1] - self.s_mm[k])), float(gap[k])
 
     def outside_parent(self, parent, radii):
-        """Which points (n,) bool of this side branch come after it has left its parent's lumen.
+        """Whether each point (n,) of this side branch comes after the branch has left its parent's lumen.
 
-        It has left when its axis is `radii` radii of the Branch `parent` from that branch's axis.
+        The branch has left where its axis is `radii` parent radii away from the axis of the Branch `parent`.
         """
         found = [parent.project(point) for point in self.points]
         return np.logical_or.accumulate([distance > radii * parent.radius(s) for s, distance in found])
@@ -89,10 +90,10 @@ class Tree:
         return branch, *branch.project(np.array(probe["point_mm"]))
 
     def nearest(self, points, within_mm=np.inf):
-        """(number (m,) of the nearest centreline point, its distance (m,) in mm) for points (m, 3).
+        """(number (m,) of the nearest centreline point, its distance (m,) in mm) for points (m, 3) in mm.
 
-        The centreline points of all branches are numbered in the tree's order. Where none is nearer than `within_mm`
-        the distance is infinite, and the number is that of no point.
+        The centreline points of all branches are numbered in the tree's order. Where none is nearer than `within_mm`,
+        the distance is infinite, and the number is one beyond the last point's.
         """
         if not hasattr(self, "_kd"):
             self._kd = cKDTree(np.concatenate([branch.points for branch in self.branches]))
@@ -104,8 +105,8 @@ def check_wall(tree, wall_mm, where):
     """Raises InputError unless the tree fits the wall with the nodes wall_mm (n, 3) of the file `where`.
 
     This refuses the centreline of another state of the vessel. The distance to the nearest wall node must fit the
-    tree's radii, which are those of the largest inscribed spheres. Where a branch is still inside another one, the wall
-    may be further away.
+    tree's radii, which are radii of largest inscribed spheres. Where a branch is still inside another one, the wall may
+    be further away.
     """
     nodes = cKDTree(wall_mm)
     for branch in tree:

@@ -9,16 +9,16 @@ import numpy as np
 
 from flow.geometry import tet10
 
-SMALLEST_RATIO = 0.15  # an element stays curved if its least det J is above this share of its mean det J
+SMALLEST_RATIO = 0.15  # an element stays curved if its least det J is at least this share of its middle value
 
 
 @dataclasses.dataclass
 class QuadraticMesh:
     """A mesh of quadratic tetrahedra.
 
-    points (n, 3) in mm; tetrahedra (t, 10), as geometry.tet10; triangles (f, 6) of wall and caps, with region ids
-    region (f,); curved_edges: number of edges with a curved middle at first; straightened_edges: how many of them were
-    straightened.
+    points (n, 3) in mm; tetrahedra (t, 10), ordered as in geometry.tet10; triangles (f, 6) of wall and caps, with
+    region ids region (f,); curved_edges: number of edges whose middle point was curved at first; straightened_edges:
+    how many of them were straightened again.
     """
 
     points: np.ndarray
@@ -33,8 +33,9 @@ def curve(boundary, region, points, tetrahedra, edges, middles_of_edges):
     """QuadraticMesh from points (n, 3) in mm and linear tetrahedra (t, 4).
 
     middles_of_edges (e, 3) in mm: given middle points of the edges (e, 2); all other edges are straight. boundary
-    (f, 3), region (f,): the triangles of wall and caps. If the Jacobian of an element would get too small, its edges
-    are straightened. This may spoil a neighbour, so it is repeated until no such element is left.
+    (f, 3), region (f,): the triangles of wall and caps. Where the Jacobian of an element would get too small, the
+    element's edges are straightened. This may spoil a neighbour, so the check is repeated until no such element is
+    left.
     """
     stride = len(points)
     keys, cell_edge = np.unique(_edge_keys(tetrahedra[:, tet10.EDGES].reshape(-1, 2), stride), return_inverse=True)
@@ -71,9 +72,10 @@ def _edge_keys(edges, stride):
 
 
 def _bad_elements(points, middles, tetrahedra, cell_edge, curved):
-    """Numbers of the curved elements in which det J may fall below SMALLEST_RATIO of its mean.
+    """Numbers of the curved elements in which det J may fall below SMALLEST_RATIO of its middle value.
 
-    middles (k, 3) of all edges; cell_edge (t, 6): the elements' edges; curved (k,) bool.
+    The middle value is the mean of the two bounds of det J (tet10.jacobian_bounds). middles (k, 3) of all edges;
+    cell_edge (t, 6): the elements' edges; curved (k,) bool: whether an edge is curved.
     """
     candidates = np.flatnonzero(curved[cell_edge].any(axis=1))
     nodes = np.concatenate([points[tetrahedra[candidates]], middles[cell_edge[candidates]]], axis=1)
@@ -84,8 +86,8 @@ def _bad_elements(points, middles, tetrahedra, cell_edge, curved):
 def quality(mesh, swept):
     """{name: figure} of a QuadraticMesh: gamma (see `gamma`), least over largest Jacobian in a cell, numbers of edges.
 
-    swept (t,) bool. gamma is taken by the corners of cells that are not swept, and is None if all are swept: stretched
-    cells are judged by the Jacobian alone.
+    swept (t,) bool: which cells are swept. They are stretched, so only their Jacobian counts. gamma is computed from
+    the corners of the other cells, and is None if there are none.
     """
     corners = mesh.points[mesh.tetrahedra[~swept, :4]]
     found = gamma(corners) if len(corners) else None

@@ -10,7 +10,7 @@ from flow.geometry.surface import WALL, Surface, facets_at_edges
 from flow.geometry.vectors import dot, unit
 
 FOLD_COSINE = -0.9  # an edge is a fold if the normals of its two facets have a smaller cosine
-MOST_FLIPS = 100  # edges that are flipped at most
+MOST_FLIPS = 100  # most edges that are flipped
 
 
 def unfold(surface):

@@ -9,13 +9,14 @@ from scipy.spatial import cKDTree
 
 from flow.geometry import tet10
 
-# Numbers of cells, those with the nearest centroids, that are searched for a point: the few first. The many are for
-# points that are in none of these, since cells may be several times longer than wide, and for points outside.
+# A point is searched in the FEW_CELLS cells with the nearest centroids, and if it is in none of them in MANY_CELLS.
+# Cells may be several times longer than wide, so the right cell's centroid may be far. Points outside the mesh also
+# need many.
 FEW_CELLS, MANY_CELLS = 8, 60
 POINTS_AT_ONCE = 20_000  # limits the memory
-TRIED_CELLS = 4  # number of these for which the curved coordinates are computed: the best ones as straight-edged cells
+TRIED_CELLS = 4  # curved coordinates are computed for so many of these cells: the best ones if straight-edged
 NEWTON_STEPS = 3  # steps of Newton's method for the curved coordinates
-LARGEST_STEP = 0.5  # largest change of a barycentric coordinate in one of these steps
+LARGEST_STEP = 0.5  # largest change of a barycentric coordinate in one step of Newton's method
 # A point is outside the mesh if its least barycentric coordinate in the best cell is below this.
 LEAST_COORDINATE = -0.25
 
@@ -36,7 +37,8 @@ class Locator:
     def find(self, points):
         """(cell (m,), barycentric coordinates (m, 4), inside (m,) bool) of points (m, 3).
 
-        The coordinates of a point outside its cell are moved to the cell's surface.
+        A point that lies in none of the tried cells gets the one that it is least outside of. Its coordinates are then
+        moved to this cell's surface.
         """
         cell, lam = np.empty(len(points), int), np.full((len(points), 4), -np.inf)
         for candidates in (FEW_CELLS, MANY_CELLS):
@@ -49,7 +51,7 @@ class Locator:
         return cell, lam / lam.sum(axis=1, keepdims=True), inside
 
     def _best_cells(self, points, candidates):
-        """(cell (m,), its barycentric coordinates (m, 4)) in which points (m, 3) lie, or are the least outside.
+        """(cell (m,), barycentric coordinates (m, 4)): the cell in which each of points (m, 3) lies, or least outside.
 
         candidates: number of cells with the nearest centroids that are tried.
         """
@@ -66,7 +68,7 @@ class Locator:
     def _curved_coordinates(self, points, cell, lam):
         """Barycentric coordinates (m, k, 4) of points (m, 3) in the curved cells `cell` (m, k), by Newton's method.
 
-        lam (m, k, 4): the coordinates in the straight-edged cells, where it starts.
+        lam (m, k, 4): the coordinates in the straight-edged cells, from which Newton's method starts.
         """
         nodes = self.nodes[self.cells[cell]]
         for _ in range(NEWTON_STEPS):

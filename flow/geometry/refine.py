@@ -12,7 +12,8 @@ MOST_ROUNDS = 4  # most rounds of splitting
 def refine(surface, target_mm):
     """The Surface with its long edges split, in up to MOST_ROUNDS rounds; new vertices lie on geometry.smooth_surface.
 
-    target_mm(points (n, 3)) -> wanted edge length (n,) in mm; longer edges than SPLIT_RATIO times it are split.
+    target_mm(points (n, 3)) -> wanted edge length (n,) in mm. An edge longer than SPLIT_RATIO times its target is
+    split.
     """
     for _ in range(MOST_ROUNDS):
         edges, side = surface.edges()
@@ -40,8 +41,10 @@ def _mark_longest_sides(marked, side, length):
 
 
 def _split_edges(surface, marked, edges, side):
-    """The Surface with its marked edges split. A triangle with marked edges becomes two, three or four; its longest
-    side is always among them."""
+    """The Surface with its marked edges split, so that a triangle becomes two, three or four.
+
+    The longest side of a triangle with marked edges is always marked.
+    """
     new = np.full(len(edges), -1)
     new[marked] = len(surface.points) + np.arange(marked.sum())
     points = np.concatenate([surface.points, edge_middles(surface, edges, side)[marked]])

@@ -1,14 +1,14 @@
-"""A smooth surface through the vertices of the lumen triangulation, by a point for the middle of each edge.
+"""A smooth surface through the vertices of the lumen triangulation, given by a point for the middle of each edge.
 
 Plane facets would make an error of 2-6 % in a Poiseuille pressure drop. The middle points on the wall are those of PN
-triangles (Vlachos et al. 2001, Curved PN triangles), with the weight that makes them exact on a circle. With the edge
-d = p1 - p0, unit normals n0, n1 at its ends and sin t_i = d.n_i / |d|, the middle point is
+triangles (Vlachos et al. 2001, Curved PN triangles), with the weight that makes them exact on a circle. With the edge d
+= p1 - p0, unit normals n0, n1 at its ends and sin t_i = d.n_i / |d|, the middle point is
 
     m = (p0 + p1) / 2 + [ (d.n1) n1 / ((1 + cos t1) cos t1) - (d.n0) n0 / ((1 + cos t0) cos t0) ] / 4
 
 At a rim, where a cap meets the wall, all wall triangles of a vertex lie on one side of it. The mean of their normals
-would be tilted. There the normal is that of the circle through three neighbouring rim vertices, in the cap's plane, as
-if the vessel went on straight behind the cap.
+would be tilted. Instead a rim vertex gets the normal of the circle through it and its two neighbours on the rim. This
+normal lies in the cap's plane, as if the vessel went on straight behind the cap.
 """
 
 import numpy as np
@@ -17,15 +17,15 @@ from flow.geometry import vectors
 from flow.geometry.surface import WALL
 from flow.geometry.vectors import dot
 
-# Largest distance of a middle point from its straight edge, over the edge's length. At a kink the normals do not
-# determine the surface between the vertices.
+# Largest distance of a middle point from its straight edge, over the edge's length. The limit is for kinks, where the
+# normals do not determine the surface between the vertices.
 LARGEST_OFFSET = 0.2
 
 
 def wall_normals(surface):
-    """Unit normals (n, 3) of a Surface's wall at its vertices, zero elsewhere; exact on a sphere.
+    """Unit normals (n, 3) of a Surface's wall at its vertices, zero elsewhere.
 
-    Max 1999, J Graph Tools 4.
+    The facets' normals are weighted so that the result is exact on a sphere (Max 1999, J Graph Tools 4).
     """
     wall = surface.triangles[surface.region == WALL]
     points, normals = surface.points, np.zeros_like(surface.points)
@@ -40,7 +40,7 @@ def wall_normals(surface):
 
 
 def edge_kinds(surface, edges, side):
-    """(on_wall (e,), on_rim (e,)) bool of the edges: whether it is a side of a wall triangle, and of a cap's as well.
+    """(on_wall (e,), on_rim (e,)) bool: whether an edge is a side of a wall triangle, and of a cap's triangle as well.
 
     edges (e, 2), side (m, 3): as `Surface.edges` gives them.
     """
@@ -61,7 +61,7 @@ def vertex_normals(surface, edges, side):
 
 
 def edge_middles(surface, edges, side, normals=None):
-    """Point (e, 3) in mm of the smooth surface for the middle of each edge; edges within a cap are straight.
+    """Points (e, 3) in mm of the smooth surface at the middle of each edge; edges within a cap are straight.
 
     normals (n, 3): unit normals of the smooth surface at the vertices, zero elsewhere; by default `vertex_normals`.
     """
@@ -79,8 +79,10 @@ def edge_middles(surface, edges, side, normals=None):
 
 
 def _end_offset(d, normal):
-    """Offset (e, 3) of the edges' middle points due to one end. d (e, 3): the edges; normal (e, 3): normals at that
-    end."""
+    """Offset (e, 3) in mm of the edges' middle points that the normals at one end of the edges make.
+
+    d (e, 3): the edges; normal (e, 3): the normals at that end.
+    """
     rise = np.einsum("ij,ij->i", d, normal)
     square = np.maximum(np.einsum("ij,ij->i", d, d), 1e-300)
     cosine = np.sqrt(np.maximum(0.0, 1.0 - rise**2 / square))

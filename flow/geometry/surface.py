@@ -28,8 +28,7 @@ class Surface:
         return [int(r) for r in np.unique(self.region) if r != WALL]
 
     def edges(self):
-        """(edges (e, 2), side (m, 3)): undirected edges, and the number of the edge at sides 01, 12, 20 of each
-        triangle."""
+        """(edges (e, 2), side (m, 3)): undirected edges, and the numbers of the edges 01, 12, 20 of each triangle."""
         sides = np.sort(self.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
         edges, inverse = np.unique(sides, axis=0, return_inverse=True)
         return edges, inverse.reshape(-1, 3)
@@ -51,7 +50,7 @@ class Surface:
         return found
 
     def count_pieces(self, chosen):
-        """Number of pieces that the triangles `chosen` (m,) bool make; pieces have no edge in common."""
+        """Number of pieces that the triangles `chosen` (m,) bool make. Two pieces have no edge in common."""
         edges, side = self.edges()
         side = side[chosen]
         at = np.repeat(np.arange(len(side)), 3), side.ravel()

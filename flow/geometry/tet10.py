@@ -21,7 +21,7 @@ def six_volumes(points, tetrahedra):
 
 
 def orient_positive(points, tetrahedra):
-    """The tetrahedra (t, 4), with two corners swapped where the volume is negative, so that all are positive."""
+    """The tetrahedra (t, 4), two corners of those with negative volume swapped, so that all volumes are positive."""
     negative = six_volumes(points, tetrahedra) < 0
     tetrahedra = tetrahedra.copy()
     tetrahedra[negative] = tetrahedra[negative][:, [0, 2, 1, 3]]

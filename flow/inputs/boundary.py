@@ -18,9 +18,9 @@ from flow.inputs import hyperaemia, wire
 from flow.physics import viscosity
 from flow.physics.units import PA_PER_MMHG
 
-ROUNDING_MM = 1e-6  # a probe's distance that is too short by less than this gets no warning
-# Largest ratio of R_i Q_i to MAP - P_v, and of MAP - P_v to R_i Q_i. Beyond it R_i has other units or is another
-# outlet's.
+ROUNDING_MM = 1e-6  # a probe that lies too near to its lesion by less than this gets no warning
+# Largest factor between R_i Q_i and MAP - P_v, in either direction. Beyond it R_i has other units, or belongs to
+# another outlet.
 LARGEST_FLOW_RATIO = 10.0
 
 
@@ -57,7 +57,7 @@ def make(anatomy, centreline, patient, settings, measured=None, with_range=False
 
     anatomy: document of anatomy.json, from inputs.lumen_summary; centreline: geometry.centreline.Tree; patient: section
     `patient` of a case file; measured: section `measured` of a case file with the place of its pressure wire, or None;
-    with_range: whether the document gets `plausible_flows`. Raises InputError.
+    with_range: whether the document also gets the entry `plausible_flows`. Raises InputError.
     """
     map_pa = mean_arterial_pressure_mmhg(patient["sbp_mmhg"], patient["dbp_mmhg"]) * PA_PER_MMHG
     venous_pa = settings.venous_pressure_mmhg * PA_PER_MMHG
@@ -117,11 +117,11 @@ def patient_warnings(patient, measured, hyperaemia_fraction=None):
 def probes(anatomy, centreline, distance_mm):
     """The places at which FFR is read: [{name, branch, s_mm, point_mm}].
 
-    `distal` lies distance_mm past the end of the most severe lesion, the first of the anatomy; `lesion<k>` past the end
-    of each other; `end_<branch>` at the end of each branch. Without a lesion `distal` is at the end of the main branch.
-    A probe keeps 1.5 diameters (at most a quarter of the branch) away from its branch's end, where the outlet condition
-    would disturb it. A probe past a lesion also has `distance_mm`, its true distance from the lesion's end, which may
-    therefore be shorter than asked for.
+    `distal` lies distance_mm past the end of the most severe lesion, which the anatomy lists first. `lesion<k>` lies as
+    far past the end of another lesion, `end_<branch>` at the end of a branch. Without a lesion `distal` is at the end
+    of the main branch. A probe keeps 1.5 diameters (at most a quarter of the branch) away from its branch's end, where
+    the outlet condition would disturb it. So a probe past a lesion may be nearer to it than distance_mm. Its entry
+    `distance_mm` is the true distance.
     """
 
     def probe(name, branch, s_mm):
@@ -148,7 +148,7 @@ def probes(anatomy, centreline, distance_mm):
 
 
 def probe_distance_warnings(probe_places, distance_mm):
-    """[warning] on probes (as of `probes`) that are less than `distance_mm` past their lesion, as the branch ends."""
+    """[warning] on probes (from `probes`) that lie less than `distance_mm` past their lesion, as the branch ends."""
     return [
         f"probe {probe['name']} is {probe['distance_mm']:.1f} mm past its lesion's end instead of {distance_mm:g} mm,"
         f" since branch {probe['branch']} ends"
@@ -182,7 +182,7 @@ def check(document, where="boundary.json", branches=None):
 
 
 def _check_values(document, where):
-    """Raises InputError unless P_v is below MAP, and viscosity at high shear rates not above that at rest."""
+    """Raises InputError unless P_v is below MAP, and the viscosity at high shear rates at most that at rest."""
     map_pa, venous_pa = document["map_pa"], document["venous_pressure_pa"]
     if venous_pa >= map_pa:
         remedy = f"below map_pa, which is {map_pa:g}, in Pa"

@@ -37,7 +37,7 @@ REST_SHARE, FLOW_RESERVE = 0.045, 2.78
 # two standard deviations above the mean gets a warning.
 HEART_ML_PER_MIN, HEART_SD_ML_PER_MIN = 582, 138
 MASS_ERROR = 0.2  # relative error of a mass that was measured by another method, or assumed
-MASS_EXPONENT = 0.75  # of the mass in the published law
+MASS_EXPONENT = 0.75  # exponent of the mass in the published law
 
 
 def flow_of_mass(lvm_g, hyperaemia_fraction):
@@ -48,7 +48,7 @@ def flow_of_mass(lvm_g, hyperaemia_fraction):
 
 
 def territory_share(territory):
-    """Share of the whole heart's flow that a territory gets: that of a named territory, or the given number."""
+    """Share of the whole heart's flow that a territory gets. territory: its name, or the share itself."""
     return TERRITORY_SEGMENTS[territory] / ALL_SEGMENTS if territory in TERRITORY_SEGMENTS else float(territory)
 
 
@@ -86,7 +86,7 @@ def flow_source(patient, hyperaemia_fraction):
 
 
 def _flow_basis(patient):
-    """In words, from what the whole heart's flow is computed."""
+    """Words for what the whole heart's flow is computed from."""
     return "cardiac output" if patient.get("cardiac_output_l_per_min") is not None else f"{FLOW_PER_GRAM} mL/min/g"
 
 
@@ -148,7 +148,7 @@ def _source_entry(flow, territory, share, by):
 def _shares_off_by_one(share):
     """(share with one of the 17 segments less, share with one more) for a `share` of the heart's flow.
 
-    The smaller share is at least half a segment, or half of `share` if that is less than a segment.
+    The smaller share is at least half a segment, or half of `share` where `share` is less than a segment.
     """
     segment = 1 / ALL_SEGMENTS
     return max(share - segment, 0.5 * min(share, segment)), share + segment

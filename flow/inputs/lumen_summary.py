@@ -32,7 +32,7 @@ def check(data, where, *needed):
 
 
 def check_lengths(data, tree, where):
-    """Raises InputError unless branches of anatomy.json are as long as those of a geometry.centreline.Tree.
+    """Raises InputError unless the branches in anatomy.json are as long as in a geometry.centreline.Tree.
 
     Branches without a length in anatomy.json are not checked.
     """

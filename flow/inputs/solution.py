@@ -13,15 +13,15 @@ from flow.geometry import correspondence, locate, tet10
 from flow.physics.units import M_PER_MM
 
 REMEDY = "give the folder that `flow solve` wrote"
-LARGEST_VELOCITY_FACTOR = 2.0  # limit of the factor by which a velocity is changed for the ratio of the areas
+LARGEST_VELOCITY_FACTOR = 2.0  # velocities are multiplied by the ratio of two areas, at most by this factor
 
 
 @dataclasses.dataclass
 class StartState:
     """A solved state of the vessel: the locate.FieldSampler of its flow at points in mm, and the inflow in m3/s.
 
-    artificial_viscosity: its eps; mesh_name: name of the mesh file of that flow; to_other_lumen:
-    geometry.correspondence.Correspondence from the lumen to be solved to that of this state.
+    artificial_viscosity: factor eps in this flow; mesh_name: name of the mesh file of this flow; to_other_lumen:
+    geometry.correspondence.Correspondence from the lumen to be solved to the lumen of this state.
     """
 
     sampler: locate.FieldSampler
@@ -46,8 +46,8 @@ class StartState:
 def read(folder, tree, other):
     """StartState from the output folder of `flow solve` for another state of the vessel.
 
-    tree, other: geometry.centreline.Tree of the lumen to be solved, and of that state. Raises InputError for files that
-    are missing or of another kind, and where the two trees have different branches.
+    tree: geometry.centreline.Tree of the lumen to be solved; other: Tree of that state. Raises InputError for files
+    that are missing or of another kind, and where the two trees have different branches.
     """
     path, answer = pathlib.Path(folder) / "solution.vtu", pathlib.Path(folder) / "ffr.json"
     for file in (path, answer):

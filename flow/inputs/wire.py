@@ -5,7 +5,7 @@ import numpy as np
 from common.errors import InputError
 
 PROBE_NAME = "measured"
-SENSOR_DISTANCE_RADII = 2.0  # a point further than this many local radii from the axis is not in the vessel
+SENSOR_DISTANCE_RADII = 2.0  # a point further than this many local radii from the axis is taken as outside the vessel
 
 
 def sensor_probe(given, tree, where="measured.probe"):
@@ -36,7 +36,7 @@ def ffr_warnings(measured):
 
 
 def upstream_warnings(place, anatomy):
-    """[warning] if no lesion starts between the inlet and the sensor, whose reading then says nothing of the lesions.
+    """[warning] if no lesion starts between the inlet and the sensor: its reading then says nothing of the lesions.
 
     place: result of `sensor_probe`; anatomy: document of anatomy.json.
     """
@@ -69,7 +69,10 @@ def _check_within_end(branch, beyond_mm, where):
 
 
 def _nearest_place(point, tree, where):
-    """(Branch, s_mm) of the place on the tree's axes nearest to point (3,) in mm, in local radii. Raises InputError."""
+    """(Branch, s_mm) of the place on the tree's axes that is nearest to point (3,) in mm. Raises InputError.
+
+    The nearest place is the one at the least distance in local radii.
+    """
     s_mm, distance, branch = min(
         ((*branch.project(point), branch) for branch in tree), key=lambda found: found[1] / found[2].radius(found[0])
     )

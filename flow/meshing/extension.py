@@ -1,10 +1,9 @@
 """Straight extensions of inlets or outlets too close to a narrowing: the cap's rim extruded along its normal.
 
-Behind a narrowing the pressure first rises, as the jet's kinetic energy turns back into pressure. A resistance that is
-attached before this end changes the flow and FFR (mesh.md). So an outlet too close behind a narrowing gets a straight
-tube.
-The outlet then lies `outlet_clearance_diameters` of its own diameters behind the end of a strong narrowing, and less
-far behind a milder one. An inlet closer than `inlet_clearance_diameters` before a narrowing likewise gets a tube.
+Behind a narrowing the pressure first rises, as the jet's kinetic energy turns back into pressure. A resistance attached
+where the pressure still rises changes the flow and FFR (mesh.md). So an outlet too close behind a narrowing gets a
+straight tube. It then lies `outlet_clearance_diameters` of its own diameters behind the end of a strong narrowing, and
+less far behind a milder one. An inlet closer than `inlet_clearance_diameters` before a narrowing also gets a tube.
 Setting `outlet_extension_diameters` lengthens every outlet by at least this many of its diameters. FFR is read in the
 original anatomy (physics.ffr).
 """
@@ -19,9 +18,10 @@ from flow.meshing.sweep import spans, stations
 
 POINT_SPACING_MM = 0.25  # distance of the centreline's points in an extension
 # Shares of the healthy radius. Behind a narrowing to at least MILD_NARROWING an outlet needs no clearance, behind one
-# to at most STRONG_NARROWING all of it, in between a share. A vessel cut off 2 diameters behind narrowings to .58, .54,
-# .5 and .45 has an FFR that differs by .0006, .0015, .0029 and .0056 from its FFR with 8 diameters (axisymmetric model,
-# 170 to 190 mL/min). With the share of the clearance that these narrowings get, it differs by .0015 at most.
+# to at most STRONG_NARROWING all of it. Between the two it needs a share of the clearance. The reason: vessels with
+# narrowings to .58, .54, .5 and .45 were cut off 2 and 8 diameters behind them. Their FFRs differ by .0006, .0015,
+# .0029 and .0056 (axisymmetric model, 170 to 190 mL/min). With the share of the clearance, they differ by .0015 at
+# most.
 MILD_NARROWING, STRONG_NARROWING = 0.6, 0.4
 
 
@@ -62,10 +62,10 @@ def find_extensions(surface, tree, settings):
 def _missing_clearance(branch, from_end, clearance_mm):
     """(missing clearance, distance) in mm from a branch's end (from_end), or its start, to a narrowing.
 
-    Of several narrowings it is the one with the largest missing clearance, which is not positive if none is missing. A
-    narrowing is below MILD_NARROWING of the healthy radius somewhere, and ends where it reaches 0.95 of it
-    (meshing.sweep.stations). Behind a narrowing a share of clearance_mm is wanted, the larger the stronger the
-    narrowing; before it all of clearance_mm.
+    The missing clearance is the wanted distance minus the actual one; it is not positive if none is missing. Of several
+    narrowings the one with the largest counts. A narrowing is below MILD_NARROWING of the healthy radius somewhere, and
+    ends where it reaches 0.95 of it (meshing.sweep.stations). Before a narrowing the wanted distance is clearance_mm.
+    Behind one it is a share of clearance_mm, the larger the stronger the narrowing.
     """
     s, share = branch.s_mm, stations.healthy_share(branch)
     if from_end:
@@ -79,7 +79,7 @@ def _missing_clearance(branch, from_end, clearance_mm):
 
 
 def extend_surface(surface, extensions):
-    """The Surface with the caps of [Extension] moved out; new wall is added in layers about as long as rim edges."""
+    """The Surface with the caps of [Extension] moved out. The new wall has layers about as long as rim edges."""
     for one in extensions:
         surface = _extend_cap(surface, one.region_id, one.length_mm)
     return surface

@@ -1,8 +1,8 @@
 """Conforming volume mesh of a tree: swept lattices along its vessels, Delaunay tetrahedra in its junctions.
 
 A span is a swept stretch of a branch (meshing.sweep.span_sweep), a junction the lumen between spans. The spans are
-swept first. The wall that they leave is joined to their end rings (meshing.sweep.stitch). With the end discs of the
-spans it encloses the junctions, which gmsh fills. Where a junction cannot be closed, filled, or filled without slivers,
+swept first. The wall between them is then joined to their end rings (meshing.sweep.stitch). This wall and the spans'
+end discs enclose the junctions, which gmsh fills. Where a junction cannot be closed, filled, or filled without slivers,
 the ends of its spans move into the spans, so that the junction gets larger.
 """
 
@@ -20,8 +20,8 @@ from flow.geometry.surface import WALL, Surface
 from flow.meshing.sweep import disc as disc_module
 from flow.meshing.sweep import section, span_sweep, stitch
 
-MOVE_RADII = 0.25  # radii by which the ends of spans move when their junction cannot be filled
-MOST_TRIES = 12  # attempts to fill all junctions, the ends having moved in between
+MOVE_RADII = 0.25  # radii by which the ends of spans move in if their junction cannot be filled
+MOST_TRIES = 12  # most attempts to fill all junctions; between attempts, ends of spans move
 FIRST_DISC_REGION = 1000  # region ids of the spans' end discs start here while a junction is filled
 
 
@@ -29,7 +29,7 @@ FIRST_DISC_REGION = 1000  # region ids of the spans' end discs start here while 
 class LinearMesh:
     """A conforming mesh of linear tetrahedra of positive volume.
 
-    points (n, 3) in mm; tetrahedra (t, 4); swept (t,) bool: whether a tetrahedron is of a span; boundary (f, 3):
+    points (n, 3) in mm; tetrahedra (t, 4); swept (t,) bool: whether a tetrahedron belongs to a span; boundary (f, 3):
     triangles of wall and caps with the region ids region (f,); edges (e, 2) with known middle points middles (e, 3) in
     mm; spans [{branch, from_mm, to_mm, stations}]; moved_ends [str]: which ends of spans moved, and why.
     """
@@ -107,8 +107,8 @@ def _assemble(surface, slicer, spans, disc, sizes, moved_ends):
 class SpanCut:
     """The part of the surface that a span replaces.
 
-    ends: [stitch.SpanEnd] of the span; caps: region ids of its caps; wall_facets: numbers of the facets of its wall
-    points.
+    ends: [stitch.SpanEnd] of the span; caps: region ids of its caps; wall_facets: numbers of the facets on which the
+    span's wall points lie.
     """
 
     ends: list
@@ -169,7 +169,7 @@ class _MeshBuilder:
         return offset
 
     def add_junctions(self, kept, ends, spans, sizes):
-        """Closes and fills every junction: every connected piece of the remaining wall. Raises StitchError.
+        """Closes and fills every junction, each one a connected piece of the remaining wall. Raises StitchError.
 
         kept: numbers of the remaining facets; ends: [stitch.SpanEnd]; spans: [Span]; sizes: size_field.SizeField.
         """
@@ -194,7 +194,7 @@ class _MeshBuilder:
             raise stitch.StitchError("; ".join(map(str, failed)), [key for error in failed for key in error.ends])
 
     def _fill_junction(self, points, normals, faces, tags, sizes):
-        """Fills one junction, enclosed by triangles `faces` (m, 3) of region ids `tags` (m,). Raises StitchError."""
+        """Fills one junction, enclosed by triangles `faces` (m, 3) with region ids `tags` (m,). Raises StitchError."""
         used, local = np.unique(faces, return_inverse=True)
         closed = Surface(points[used], local.reshape(-1, 3), tags)
         edges, side = closed.edges()

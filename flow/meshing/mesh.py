@@ -67,10 +67,10 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
 def build_sequence(paths, surface, tree, settings, report):
     """Makes the meshes of a lumen: [(QuadraticMesh or None, its part of `report`, path)], the finest first.
 
-    paths: [(path, rings)], the coarsest first. A mesh with no fewer cells than the next finer one is left out: None. A
-    mesh that cannot be swept has isotropic tetrahedra, which may be more numerous than those of a finer, swept mesh.
-    `report`, the document of mesh.json, gets the finest mesh's figures, and the lists `coarse` and `left_out` of the
-    others, the coarsest first. Raises ComputationError.
+    paths: [(path, rings)], the coarsest first. A mesh with no fewer cells than the next finer one is left out: None
+    stands in its place. This happens where a coarse mesh cannot be swept, since isotropic tetrahedra may be more
+    numerous. `report`, the document of mesh.json, gets the finest mesh's figures, and the lists `coarse` and `left_out`
+    of the others, the coarsest first. Raises ComputationError.
     """
     meshes, fewest = [], math.inf
     for path, rings in reversed(paths):
@@ -92,9 +92,9 @@ def build_sequence(paths, surface, tree, settings, report):
 
 
 def build_coarsest(paths, surface, tree, settings, report):
-    """As `build_sequence`, but makes the coarsest mesh only, for the last file of `paths`; the others are None.
+    """Makes the coarsest mesh only, for the last file of `paths`, on which to show the fields of a reduced model.
 
-    It serves to show the fields of a reduced model.
+    Arguments and result are those of `build_sequence`, with None for the other meshes.
     """
     (*others, (path, _)), coarse_rings = paths, paths[0][1]
     coarsest = build_sequence([(path, coarse_rings)], surface, tree, settings, report)
@@ -102,7 +102,7 @@ def build_coarsest(paths, surface, tree, settings, report):
 
 
 def _layer_warning(settings):
-    """Warning, printed too, that setting wall_layers has no effect as nothing is swept. Empty for a single layer."""
+    """Warning that setting wall_layers has no effect as nothing is swept; empty for a single layer. Also prints it."""
     if settings.wall_layers == 1:
         return ""
     warning = (
@@ -125,7 +125,7 @@ def _isotropic_cells(surface, tree, sizes, *_):
 class Attempt:
     """One way to make a mesh.
 
-    wall(surface, sizes) -> Surface to be filled; cells(wall, tree, sizes, settings, rings, coarsening) ->
+    make_surface(surface, sizes) -> Surface to be filled; make_cells(wall, tree, sizes, settings, rings, coarsening) ->
     hybrid.LinearMesh; cost: in words, what this way costs more than the first one.
     """
 
@@ -141,7 +141,7 @@ ISOTROPIC_COST = (
 ATTEMPTS = (
     Attempt("swept", refine.refine, hybrid.build, ""),
     Attempt("isotropic", refine.refine, _isotropic_cells, ISOTROPIC_COST),
-    # refined facets lie on the smooth surface; in a narrow cleft it may cross itself where the given facets do not
+    # the smooth surface, on which refined facets lie, may cross itself in a narrow cleft where the given facets do not
     Attempt("isotropic, facets as given", lambda surface, _: surface, _isotropic_cells, ISOTROPIC_COST),
 )
 
@@ -196,7 +196,7 @@ def write_all(meshes, report, path):
     """Writes `meshes` of `build_sequence` or `build_coarsest`, and `report` with the SHA-256 of each file to `path`.
 
     A mesh that is None gets an empty file, since a study's workflow expects every file. All files are written under
-    other names before the first is moved into place, the report last. If anything fails, no file is left.
+    other names first. Then they are moved into place, the report last. If anything fails, no file is left.
     """
     try:
         with contextlib.ExitStack() as replacements:  # moves the files into place in reverse order

@@ -10,8 +10,8 @@ GRID_REACH_MM = 4.0  # mm: nodes of the background grid further than this from a
 class SizeField:
     """h(x) = R_eff(s) / cells_per_radius at the nearest centreline point s.
 
-    R_eff is the least of three radii: of the vessel, of the jet (geometry.jet), and a limit before a throat
-    (`sizing_radius`). The jet's radius counts since its shear layer keeps the scale of the throat and widens slowly.
+    R_eff is the least of three radii: the vessel's, the jet's (geometry.jet), and a limit before a throat
+    (`sizing_radius`). The jet's radius counts, since the shear layer round a jet is thin and widens only slowly.
     jet_spread: mm by which the jet's radius grows per mm along the branch.
     """
 
@@ -25,8 +25,10 @@ class SizeField:
         return self.size[index]
 
     def grid(self, points, spacing):
-        """Cell sizes on a regular grid over the bounding box of points (n, 3): (origin (3,), spacing, shape (3,),
-        values). Lengths in mm; shape: numbers of nodes; values (nodes,) with z running fastest.
+        """Cell sizes on a regular grid over the bounding box of points (n, 3), for gmsh. Lengths are in mm.
+
+        Returns (origin (3,), spacing, shape (3,), values): shape are the numbers of nodes, values (nodes,) has z
+        running fastest.
         """
         low, high = points.min(axis=0) - 2 * spacing, points.max(axis=0) + 2 * spacing
         shape = np.ceil((high - low) / spacing).astype(int) + 1

@@ -10,14 +10,13 @@ import numpy as np
 from flow.geometry import tet10
 from flow.geometry.curving import gamma
 
-# Shares of the way from the edge's middle to other corners that are tried.
+# The new point is tried at these shares of the way from the edge's middle to other corners.
 TRIED_SHARES = (0.05, 0.1, 0.2, 0.35, 0.5, 0.7)
 MOST_SPLITS = 100
 
 
 def split_slivers(points, tetrahedra, edges, least_gamma):
-    """(points, tetrahedra) in which gamma (geometry.curving) of each tetrahedron is at least `least_gamma`, if
-    possible.
+    """(points, tetrahedra) in which gamma (geometry.curving) of each cell is at least `least_gamma`, if possible.
 
     points (n, 3): new ones are appended; tetrahedra (t, 4) of positive volume; edges (e, 2) of the surface, which are
     not split.

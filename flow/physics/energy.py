@@ -3,8 +3,8 @@
     P_in Q + kinetic_in = sum over outlets (P_i Q_i + kinetic_i) + friction + grad-div + artificial + backflow
 
 All terms are powers in W. Friction is the loss by the fluid's viscosity. The grad-div, artificial viscosity (0 for
-eps = 0) and backflow terms are losses by the discretisation. The two sides differ by quadrature in curved cells and by
-the residual.
+eps = 0) and backflow terms are losses that the discretisation adds. The two sides differ by the error of quadrature in
+curved cells and by the residual.
 """
 
 import ufl

@@ -10,12 +10,13 @@ from common.errors import InputError
 from flow.physics.units import M_PER_MM
 
 PULLBACK_SPACING_MM = 0.5  # distance of the points of the pull-back along a branch
-SLOPE_WINDOW_MM = 1.0  # the slope of FFR at a probe is that within this distance along the branch
+SLOPE_WINDOW_MM = 1.0  # the slope of FFR at a probe is fitted within this distance along the branch
 LARGEST_SLOPE_PER_MM = (
     5e-4  # rise of FFR per mm: with a steeper slope the third decimal depends on the probe's exact place
 )
-# Largest distances of a probe in local radii: from the centreline, beyond which it belongs to another vessel (in the
-# study up to .25), and along the vessel from its `s_mm`, beyond which it is misplaced (in the study up to .66).
+# Largest distances of a probe, in local radii. Further than PROBE_DISTANCE_RADII from the centreline, it belongs to
+# another vessel (in the study at most .25). Further than PROBE_SHIFT_RADII along the vessel from its `s_mm`, it is
+# misplaced (in the study at most .66).
 PROBE_DISTANCE_RADII = 2.0
 PROBE_SHIFT_RADII = 4.0
 WARNED_DISTANCE_RADII = (
@@ -37,7 +38,7 @@ def pressure_along(branch, sampler):
 
 
 def pullback(tree, sampler, map_pa, flow_at):
-    """Table of pullback.csv. flow_at(branch name, s_mm) -> flow in m3/s."""
+    """Table of pullback.csv for a flow, given by its sampler. flow_at(branch name, s_mm) -> flow in m3/s."""
     tables = []
     for branch in tree:
         s, points, pressure = pressure_along(branch, sampler)
@@ -62,8 +63,8 @@ def pullback(tree, sampler, map_pa, flow_at):
 def _project_probe(probe, tree):
     """(branch, s_mm, shift_mm): the point of this state's centreline that is nearest to a probe of boundary.json.
 
-    shift_mm is its distance from the probe. Raises InputError where that is above PROBE_DISTANCE_RADII, or s_mm is off
-    by over PROBE_SHIFT_RADII.
+    shift_mm is its distance from the probe. Raises InputError where this is above PROBE_DISTANCE_RADII, or where s_mm
+    differs from the probe's s_mm by more than PROBE_SHIFT_RADII.
     """
     branch, s_mm, shift = tree.project_probe(probe)
     if shift > PROBE_DISTANCE_RADII * branch.radius(s_mm):
@@ -122,7 +123,7 @@ def at_probes(document, tree, sampler):
 
 
 def at_outlets(names, pressures, case, sampler):
-    """[FFR] at the outlets `names`. pressures: in Pa at the mesh's outlets; case: reduced.extended.ExtendedLumen.
+    """[FFR] at the outlets `names`. pressures (o,) in Pa at the mesh's outlets; case: reduced.extended.ExtendedLumen.
 
     At an outlet with an extension, FFR is read where the vessel ends without it.
     """

@@ -20,8 +20,8 @@ import ufl
 
 from flow.physics import viscosity as viscosities
 
-# Speed in m/s and shear rate in 1/s that are added in squares under the roots of |u| and |D|, so that these can be
-# differentiated at rest.
+# Speed in m/s and shear rate in 1/s. Their squares are added under the roots of |u| and of the shear rate, so that both
+# can be differentiated at rest.
 SPEED_FLOOR, SHEAR_RATE_FLOOR = 1e-4, 0.1
 
 
@@ -29,7 +29,8 @@ SPEED_FLOOR, SHEAR_RATE_FLOOR = 1e-4, 0.1
 class Fluid:
     """Density in kg/m3, a viscosity of physics.viscosity, and the weights of two terms.
 
-    grad_div is that of the term (div u, div v), which is 0 for an exact flow; backflow that of the term on the outlets.
+    grad_div: weight of the term (div u, div v), which is 0 for an exact flow; backflow: weight of the term on the
+    outlets.
     """
 
     density: float
@@ -58,7 +59,7 @@ def residual(u, p, v, q, fluid, domain):
 
 
 def oseen(w, u, p, v, q, fluid, domain):
-    """The equations of (u, p) with the velocity w as the convecting velocity and in the viscosity: linear in (u, p)."""
+    """The equations of (u, p), with w as the convecting velocity and in the viscosity: linear in (u, p)."""
     return (
         friction(w, u, v, fluid, domain)
         + dilatation(u, v, fluid, domain)
@@ -77,8 +78,8 @@ def convection(w, u, v, fluid, domain):
 def friction(w, u, v, fluid, domain):
     """mu (grad u, grad v) for a Newtonian fluid.
 
-    Where mu depends on the shear rate of w, it is 2 mu (D(u), D(v)) minus <mu (grad u)^T n, v> on the caps. The second
-    term keeps the traction sigma n on the caps that of the pseudo-stress.
+    Where mu depends on the shear rate of w, it is 2 mu (D(u), D(v)) minus <mu (grad u)^T n, v> on the caps. By the
+    second term the traction on the caps stays sigma n, with the pseudo-stress sigma.
     """
     if isinstance(fluid.viscosity, viscosities.Newtonian):
         return fluid.viscosity.value * ufl.inner(ufl.grad(u), ufl.grad(v)) * domain.dx
@@ -106,7 +107,7 @@ def backflow(w, u, v, fluid, domain):
 def artificial_viscosity(w, u, v, eps, fluid, domain, dx):
     """eps rho h (|w| grad u, grad v): an artificial viscosity in proportion to the width h of a cell.
 
-    dx: its UFL measure. solvers.continuation lowers eps to 0 if it can.
+    dx: UFL measure of this term. solvers.continuation lowers eps to 0 if it can.
     """
     speed = ufl.sqrt(ufl.inner(w, w) + SPEED_FLOOR**2)
     return eps * fluid.density * domain.width * speed * ufl.inner(ufl.grad(u), ufl.grad(v)) * dx

@@ -31,7 +31,7 @@ class Boundaries:
     """The conditions of boundary.json's document at inlet and outlets of a LumenSpace, in SI units.
 
     The outlet pressures are P_i = P_v + resistance[i] Q_i. profile (n,): the velocity g over W of an inflow of 1 m3/s;
-    flux (o, n): its product with a state gives the flows through the o outlets.
+    flux (o, n): matrix whose product with a state gives the flows through the o outlets.
     """
 
     def __init__(self, space, document):
@@ -51,7 +51,7 @@ class Boundaries:
         self.set_full_flow()
 
     def set_full_flow(self):
-        """Sets the conditions of boundary.json, also after `set_flow_fraction` has changed them."""
+        """Sets the outlet resistances of boundary.json, also after `set_flow_fraction` has changed them."""
         self.resistance = self.full_resistance
 
     def set_flow_fraction(self, fraction, resistances_at):
@@ -62,7 +62,7 @@ class Boundaries:
         self.resistance = resistances_at(fraction)
 
     def pressure_load(self):
-        """Norm in N of the pressure load at rest, MAP on the inlet and P_v on the outlets: the scale of residuals."""
+        """Norm in N of the pressure load at rest, MAP on the inlet and P_v on the outlets, the measure of residuals."""
         of_outlets = np.linalg.norm(self.flux[:, self.space.free_dofs], axis=1) * self.venous_pa
         return float(np.linalg.norm([*of_outlets, self.map_pa * self.inlet_area]))
 

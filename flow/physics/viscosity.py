@@ -38,9 +38,9 @@ class CarreauYasuda:
 
 
 def from_document(document):
-    """Newtonian or CarreauYasuda of the document of boundary.json (inputs.boundary checks it).
+    """Newtonian or CarreauYasuda by the document of boundary.json (inputs.boundary checks it).
 
-    It follows `viscosity` there, or the constant `viscosity_pa_s` if that is missing.
+    The entry `viscosity` counts, or the constant `viscosity_pa_s` if that entry is missing.
     """
     given = document.get("viscosity")
     if given is None:

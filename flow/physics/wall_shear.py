@@ -12,8 +12,8 @@ _FACES = [(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)]  # corners of the face opp
 def wall_shear_stress(points, cells, velocity, wall_nodes, viscosity):
     """Wall shear stress vectors (n, 3) in Pa at the nodes: zero off the wall, else the mean over the wall faces there.
 
-    points (n, 3) in m, cells (t, 10), velocity (n, 3) in m/s, wall_nodes (n,) bool; viscosity: law of
-    physics.viscosity.
+    points (n, 3) in m, cells (t, 10), velocity (n, 3) in m/s, wall_nodes (n,) bool: nodes on the wall; viscosity: law
+    of physics.viscosity.
     """
     total, count = np.zeros_like(points), np.zeros(len(points))
     for opposite, face in enumerate(_FACES):

@@ -17,8 +17,8 @@ MODEL_NAMES = {
 ERROR_IN_OTHER_PATIENTS = {"axisymmetric": (0.06, 0.11), "network": (0.06, 0.06)}
 MILD_FFR = 0.85
 
-# The measured error of each model's FFR, as words for a warning. The errors with one lesion are from measured.md. The
-# error with two is from tandem_60 (tests/verification/flow/hard_cases.py): the network had .7109, the reference .7344.
+# The measured error of each model's FFR, as words for a warning. The errors with one lesion are from measured.md. With
+# two (tandem_60 of tests/verification/flow/hard_cases.py) the network had an FFR of .7109, the reference .7344.
 MEASURED_ERROR_WORDS = {
     "axisymmetric": "within .0002 of an independent solution in straight round tubes with lesions of 62 to 90 %",
     "network": "up to .01 above an independent solution in straight round tubes with one lesion of 62 to 90 %, .02"
@@ -33,7 +33,7 @@ def unknown_error_warning(model):
 
 
 class Sampler:
-    """Velocity and pressure by a reduced.coupled.Predictor, as geometry.locate.FieldSampler gives those of a 3D flow.
+    """Velocity and pressure of a reduced.coupled.Predictor, read at points like a geometry.locate.FieldSampler.
 
     `velocity` (n, 3) in m/s and `pressure` (n,) in Pa are the values at the velocity nodes of the LumenSpace `space`.
     On the wall this velocity is set to 0.

@@ -29,20 +29,20 @@ from flow.physics.units import M3_PER_S_PER_ML_PER_MIN
 CELLS_ACROSS = 10  # cells along a radius
 INLET, OUTLET = 1, 2
 QUADRATURE_DEGREE = 7
-# Fractions of the full inflow: the first one solved from rest, and the least step between two of them.
+# Fractions of the full inflow: the first at which a flow is found, from rest, and the least step between two of them.
 FIRST_FRACTION, SHORTEST_STEP = 0.1, 0.02
-MOST_NEWTON_STEPS = 10  # iterations of Newton's method at one inflow
-# Newton's method has converged when its update of the axial velocity, over that velocity, is below this: at fractions
-# of the full inflow, and at the full inflow.
+MOST_NEWTON_STEPS = 10  # most iterations of Newton's method at one inflow
+# Newton's method has converged when its update of the axial velocity, over this velocity, is below a tolerance: the
+# first at fractions of the full inflow, the second at the full inflow.
 INTERMEDIATE_TOLERANCE, FINAL_TOLERANCE = 1e-3, 1e-8
 
 
 class Tube:
     """Flow in a tube with the `radius` (k,) in m at the places s (k,) in m.
 
-    s has an even number of intervals: every second place is the middle of a cell. leaks: [(s, length)] in m of the
-    ostium of each side branch. density in kg/m3; viscosity: law of physics.viscosity; backflow: coefficient beta of the
-    outlet term.
+    s has an even number of intervals: every second place is the middle of a cell. leaks: [(s, length)], place and
+    length in m of the ostium of each side branch. density in kg/m3; viscosity: law of physics.viscosity; backflow:
+    coefficient beta of the outlet term.
     """
 
     def __init__(self, s, radius, leaks, density, viscosity, backflow):
@@ -81,9 +81,10 @@ class Tube:
         self.p = np.asarray(q_map)[place(Q, 2)]
 
     def _prescribe(self, leaks):
-        """Sets the dofs with prescribed values, and these values for an inflow and for leaks of 1 m3/s each.
+        """Sets the dofs with prescribed values, and these values for an inflow and for leaks into side branches.
 
-        Prescribed are both velocities at inlet and wall, and the radial velocity on the axis.
+        Inflow and leaks are of 1 m3/s each. Prescribed are both velocities at inlet and wall, and the radial velocity
+        on the axis.
         """
         self.prescribed_dofs = np.unique(
             np.concatenate([self.u_x[0], self.u_r[0], self.u_x[:, -1], self.u_r[:, -1], self.u_r[:, 0]])
@@ -131,12 +132,11 @@ class Tube:
         self.matrix = fem_petsc.create_matrix(self.tangent)
 
     def solve(self, inflow, leak_flows):
-        """Sets `state` to the flow with the inflow `inflow` and the outflows `leak_flows` into the side branches
-        (m3/s).
+        """Sets `state` to the flow with the given `inflow`, and with `leak_flows` out into the side branches (m3/s).
 
         Newton's method starts from the flow of the last call, scaled to this inflow. In the first call, or where this
-        fails, the inflow is raised from rest in steps. A step is halved where Newton's method fails, doubled after a
-        success. Raises ComputationError where a step gets below SHORTEST_STEP.
+        fails, the inflow is raised from rest in steps. A step is halved where Newton's method fails, and doubled after
+        a success. Raises ComputationError where a step gets below SHORTEST_STEP.
         """
         prescribed = inflow * self.inflow_values + sum(
             (q * one for q, one in zip(leak_flows, self.leak_values)), 0.0 * self.inflow_values

@@ -1,7 +1,7 @@
 """The 1D network with the axisymmetric model in the branch of the probe `distal`: a fast FFR, and a flow to start from.
 
 The axisymmetric model is solved at the flows that the network gives. The two models differ in the pressure loss along
-the branch. The difference is added to the network's loss, in proportion to the square of the flow, and the network is
+the branch. This difference is added to the network's loss, growing with the square of the flow, and the network is
 solved again. This is repeated until the flows no longer change.
 """
 
@@ -21,7 +21,7 @@ from flow.meshing.sweep import stations
 CELL_LENGTH_FACTOR = (
     0.5  # length of a cell of the axisymmetric model over the distance of sections in the swept 3D mesh
 )
-# Most repetitions of the coupling. It ends when no outlet's flow changes by more than FLOW_TOLERANCE of the total flow.
+# Most rounds of the coupling. It ends when no outlet's flow changes by more than FLOW_TOLERANCE of the total flow.
 MOST_ROUNDS, FLOW_TOLERANCE = 12, 1e-5
 LEFT_PARENT_RADII = (
     1.0  # a side branch is outside its parent when its axis is this many parent radii from the parent's axis
@@ -32,10 +32,10 @@ SHORTEST_RADII = 4.0  # least length, over the radius at its start, of a branch 
 class Predictor:
     """The answer of the two models for one lumen: FFR, and velocity and pressure at any point.
 
-    flows (outlets,) in m3/s and pressures {branch: (s in m, pressure in Pa)} are those of the coupled models, alone and
-    alone_pressures those of the network by itself. coupled: whether the axisymmetric model is used. If it finds no
-    flow, `tube` is None, `reason` says why, and `flows` and `pressures` are the network's. Raises ComputationError
-    where the network has no solution.
+    Results of the coupled models: flows (outlets,) in m3/s, pressures {branch: (s in m, pressure in Pa)}. Those of the
+    network by itself: network_flows, network_pressures. If the axisymmetric model finds no flow, or is not to be used
+    (coupled = False), `tube` is None, `reason` says why, and flows and pressures are the network's. Raises
+    ComputationError where the network has no solution.
     """
 
     def __init__(self, network, tree, document, settings, coupled=True):
@@ -82,7 +82,7 @@ class Predictor:
         )
 
     def _exit_from_parent_mm(self):
-        """Arc length in mm at which the branch has left its parent, at most half its length; 0 for the root."""
+        """Arc length in mm at which the branch has left its parent, at most half its length; 0 for the root branch."""
         if self.branch.name == self.network.root:
             return 0.0
         parent, where = self.network.parent[self.branch.name]
@@ -160,7 +160,7 @@ class Predictor:
     def _tube_fields(self, s_mm, rho):
         """(axial, radial velocity in m/s, pressure in Pa), each (m,), of the axisymmetric model.
 
-        s_mm: arc lengths (m,) in the branch; rho: distances (m,) from the axis over the radius.
+        s_mm: arc lengths (m,) in the branch; rho: distances (m,) from the axis over the local radius.
         """
         s, across, *grids = self.tube.fields()
         at = np.stack([np.clip(s_mm * M_PER_MM, s[0], s[-1]), rho], axis=1)
@@ -200,7 +200,9 @@ class Predictor:
 
 
 def _radius_function(s_mm, area_mm2):
-    """Function of s in mm: radius in mm of the circle of the section's area, smoothly interpolated, constant beyond
-    the ends."""
+    """Function of s in mm: smoothly interpolated radius in mm of the circle with the area of the section.
+
+    Beyond the first and the last section the radius is constant.
+    """
     smooth = PchipInterpolator(s_mm, np.sqrt(area_mm2 / np.pi))
     return lambda s: smooth(np.clip(s, s_mm[0], s_mm[-1]))

@@ -23,10 +23,10 @@ SHARED_KEYS = ("made_from_sha256", "extensions")  # keys that must agree in the 
 def read_report(path, mesh, coarse=()):
     """([meshing.extension.Extension], [warning], SHA-256 or None) from the report of a mesh.
 
-    path: report of `flow mesh` on the file `mesh`; coarse: files of the coarser meshes. A warning names each mesh that
-    could not be swept. The SHA-256 is of the surface and centrelines that the mesh was made from, None
-    where the report lacks it. Raises InputError, also where the report is of another mesh, or a coarse mesh is of
-    another lumen.
+    path: report that `flow mesh` wrote with the file `mesh`; coarse: files of the coarser meshes. A warning names each
+    mesh that could not be swept. The SHA-256 is that of the surface and centrelines from which the mesh was made, None
+    where the report lacks it. Raises InputError, also where the report is of another mesh, or a coarse mesh of another
+    lumen.
     """
     report = json_reader.read(path, "mesh.json").data
     try:
@@ -55,10 +55,10 @@ def read_report(path, mesh, coarse=()):
 
 
 def _check_coarse(report, path, coarse):
-    """Raises InputError unless the mesh file `coarse` is of the same lumen as the finest mesh, since it may answer.
+    """Raises InputError unless the mesh file `coarse` is of the same lumen as the finest mesh.
 
-    report: document of the finest mesh's report, at `path`. Either this report lists the coarse mesh, or the coarse
-    mesh has a report of its own with the same lumen and extensions.
+    The flow on it may be the answer. report: document of the finest mesh's report, at `path`. Either this report lists
+    the coarse mesh, or the coarse mesh has a report of its own with the same lumen and extensions.
     """
     own, known = pathlib.Path(coarse).with_suffix(".json"), report.get("coarse", [])
     if not known and own.is_file():
@@ -74,17 +74,18 @@ def _check_coarse(report, path, coarse):
 
 
 def _has_sha256(part, mesh):
-    """Whether a mesh file has the SHA-256 in the report's entry `part`. True where an older report lacks it."""
+    """Whether a mesh file has the SHA-256 in the report's entry `part`. Also True for an older entry, which has
+    none."""
     return "file_sha256" not in part or part["file_sha256"] == sha256(mesh)
 
 
 def _named_reports(report):
-    """[(name, entry)] of the meshes in a report: fine, coarse, coarsest."""
+    """[(name, entry)] of the meshes in a report, with the names fine, coarse, coarsest."""
     return list(zip(("fine", "coarse", "coarsest"), (report, *report.get("coarse", [])[::-1])))
 
 
 def read_report_if_any(path, mesh, coarse=()):
-    """As `read_report`, but the report may be missing: then there are no extensions, and a warning."""
+    """As `read_report`, but the report may be missing. Then there are no extensions, and a warning says so."""
     if path.is_file():
         return read_report(path, mesh, coarse)
     warning = f"no report of the mesh ({path.name}): reduced models take it as without extensions; give --mesh-report"
@@ -154,7 +155,7 @@ def extend_anatomy(anatomy, sections, extensions):
 
 
 def _shift_on_parent(branch, one):
-    """Entry of anatomy.json for a branch, its place on the parent moved by the parent's inlet extension `one`."""
+    """Entry of anatomy.json for a branch, its place on the parent moved if that has the inlet extension `one`."""
     if branch["parent"] != one.branch:
         return branch
     return {**branch, "s_on_parent_mm": branch["s_on_parent_mm"] + one.length_mm}

@@ -1,7 +1,7 @@
 """Range of FFR over plausible hyperaemic flows, and outlet resistances for a measured inflow, both by the 1D network.
 
-The network is calibrated on the answer of the solve. A loss is 1 - FFR at the probe `distal`. The network's loss at
-another flow is multiplied by a ratio: the answer's loss over the network's, both at the planned flow.
+A loss is 1 - FFR at the probe `distal`. The network is calibrated on the answer of the solve: its loss at another flow
+is multiplied by the ratio of the answer's loss to the network's, both at the planned flow.
 """
 
 import copy
@@ -12,11 +12,12 @@ from scipy.optimize import brentq
 from common.errors import InputError
 from flow.physics.units import M3_PER_S_PER_ML_PER_MIN, M_PER_MM, PA_PER_MMHG
 
-# 1 - FFR: if the network's loss is smaller, the difference of two losses is used, as their ratio would be noise.
+# Least loss (1 - FFR) of the network for which losses are compared by their ratio. A ratio of smaller losses would be
+# noise, so their difference is used.
 LEAST_LOSS = 1e-3
 # Plausible variations round a measured inflow: (name, flow over the measured one, mmHg added to MAP, exponent of the
-# diameters in the flow split, None for that of the settings). Repeated measurements of a coronary flow differ by about
-# a tenth, and a cuff may be off by 10 mmHg. Exponent 2 splits by area, 3 by Murray's law. Chosen, not fitted.
+# diameters in the flow split, None for the exponent of the settings). Repeated measurements of a coronary flow differ
+# by about a tenth, and a cuff may be off by 10 mmHg. Exponent 2 splits by area, 3 by Murray's law. Chosen, not fitted.
 INFLOW_VARIATIONS = (
     ("measured flow -10 %", 0.9, 0.0, None),
     ("measured flow +10 %", 1.1, 0.0, None),
@@ -111,8 +112,9 @@ def loss_at(network, probe):
 def fit_resistances(document, network_at):
     """Copy of the boundary values with the resistances at which the network's inflow is the planned flow.
 
-    The planned flow was measured in this vessel, with its narrowings. network_at(document) -> Network of the vessel.
-    Raises InputError where the inflow is too small even with resistances LARGEST_DIVISOR times lower.
+    The planned flow was measured in this vessel, whose narrowings lose pressure too. So the resistances must be lower
+    than R_i = (MAP - P_v) / Q_i. network_at(document) -> Network of the vessel. Raises InputError where the inflow is
+    too small even with resistances LARGEST_DIVISOR times lower.
     """
     wanted = document["q_hyperaemic_m3_per_s"]
 

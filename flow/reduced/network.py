@@ -3,12 +3,12 @@
 A segment is a piece of a branch between two junctions. Along it the flow Q is constant. With the area A(s), the static
 pressure p and U = Q / A:
 
-    p(s) = p(0) - 8 pi mu Q int ds / A^2 - rho/2 (U(s)^2 - U(0)^2) - sum over expansions K rho/2 (U_t - U(s))^2
+    p(s) = p(0) - 8 pi Q int mu ds / A^2 - rho/2 (U(s)^2 - U(0)^2) - sum over expansions K rho/2 (U_t - U(s))^2
 
 mu is the viscosity (physics.viscosity) at the wall shear rate 4 U / R of a parabolic profile. t is the narrowest
-section before an expansion. K is the setting expansion_loss (1.14: Borda-Carnot with the jet's profile). Total
-pressure p + rho/2 U^2 is equal on both sides of a junction, so a junction itself loses nothing. The outlets have
-p_i = P_v + R_i Q_i.
+section before an expansion. K is the setting expansion_loss (1.14: Borda-Carnot with the jet's profile). Total pressure
+p + rho/2 U^2 is equal on both sides of a junction, so a junction itself loses nothing. The outlets have p_i = P_v +
+R_i Q_i.
 """
 
 import numpy as np
@@ -34,7 +34,7 @@ class Segment:
         self.throat_index = _throat_of_each_section(area)
 
     def losses(self, flow, density, viscosity, expansion_loss):
-        """Static pressure at the segment's start minus that at each section, (n,) in Pa.
+        """Static pressure at the segment's start minus the static pressure at each section, (n,) in Pa.
 
         flow in m3/s; density in kg/m3; viscosity: law of physics.viscosity; expansion_loss: K.
         """
@@ -56,9 +56,9 @@ class Segment:
 def _throat_of_each_section(area):
     """For each section the index of the narrowing in whose jet it lies, (n,); -1 for none. area (n,) in m2.
 
-    A walk downstream. `low` is the section of least area so far. It is a narrowing once the area exceeds PROMINENCE
-    times its own. `high` is then the section of largest area so far. The jet of `low` ends at the first section with
-    less than 1 / PROMINENCE of the area of `high`. There the search for the next `low` begins.
+    The sections are walked downstream. `low` is the section of least area so far. It is a narrowing once the area
+    behind it exceeds PROMINENCE times its area. From then on `high` is the section of largest area. The jet ends at the
+    first section with less than 1 / PROMINENCE of the area of `high`. There the search for the next `low` begins.
     """
     throat = np.full(len(area), -1)
     low = high = 0
@@ -92,7 +92,7 @@ class Network:
         self.viscosity = viscosities.from_document(document)
         self.outlets = document["outlets"]
         branches = {branch["name"]: branch for branch in anatomy["branches"]}
-        self.children, self.parent = {name: [] for name in branches}, {}  # both with places s_mm on the parent
+        self.children, self.parent = {name: [] for name in branches}, {}  # each with the place s_mm on the parent
         for branch in branches.values():
             if branch["parent"]:
                 self.parent[branch["name"]] = branch["parent"], branch["s_on_parent_mm"]
@@ -116,8 +116,10 @@ class Network:
         self._add_segments(self.root, 0.0)
 
     def downstream(self, branch, s_mm):
-        """Indices of the outlets fed through `branch` at arc length s_mm: its own, and those of side branches there
-        or further downstream."""
+        """Indices of the outlets fed through `branch` at arc length s_mm.
+
+        They are the branch's own outlet, and those of side branches there or further downstream.
+        """
         found = [self.outlet_index[branch]]
         for where, child in self.children[branch]:
             if where >= s_mm:
@@ -165,8 +167,8 @@ class Network:
     def add_loss(self, branch, s, pressure, flow):
         """Adds `pressure` (n,) in Pa to the loss from the branch's start to the places s (n,) in m.
 
-        This loss holds at the branch's flow `flow` (m3/s), and grows with the square of the flow. It comes on top of
-        what was added before.
+        This loss holds at the branch's flow `flow` (m3/s), and grows with the square of the flow. Losses that were
+        added before stay.
         """
         if branch in self.added_losses:
             pressure = pressure + self.added_losses[branch][1] * (flow / self.added_losses[branch][2]) ** 2
@@ -181,9 +183,9 @@ class Network:
         return (here - here[0]) * (flows[self.downstream(segment.branch, 0.0)].sum() / flow) ** 2
 
     def _at_junction(self, segment, result, flows, velocity):
-        """Static pressure in Pa at the start of a side branch, by the total pressure of its parent there.
+        """Static pressure in Pa at the start of a side branch, from the total pressure of its parent at the junction.
 
-        result: pressures so far, as `pressures` gives them; velocity: in m/s at the side branch's start.
+        result: pressures so far, as `pressures` gives them; velocity: velocity in m/s at the side branch's start.
         """
         parent, where = self.parent[segment.branch]
         s, p = result[parent]
@@ -252,9 +254,9 @@ def read_sections(path):
 def check_sections(table, tree, path):
     """Raises InputError for cross-sections (table of `read_sections`, at `path`) that are not of the tree's lumen.
 
-    The last section must lie near its branch's end. The sections' radii must fit the centreline's, which are those of
-    the largest inscribed spheres. A section may be wider than its sphere: just behind a sudden expansion the narrow
-    part still limits the sphere. So the sphere is compared with the narrowest section within its radius along s.
+    The last section must lie near its branch's end. The sections' radii must fit the centreline's radii, which are
+    those of the largest inscribed spheres. A section may be wider than its sphere: just behind a sudden expansion the
+    narrow part still limits the sphere. So the sphere is compared with the narrowest section within its radius along s.
     """
     remedy = "give the sections of the centreline's lumen, both in mm"
     for branch in tree:

@@ -28,7 +28,7 @@ from flow.reduced import extended, network as network_model
 from flow.reduced.answer import ERROR_IN_OTHER_PATIENTS, MILD_FFR
 
 COLUMNS = ("rank", "plan", "ffr", "error", "model", "as_good_as_best", "inlet_flow_m3_per_s", "cpu_seconds")
-COORDINATE_TOLERANCE_MM = 1e-6  # mm: precision to which files give coordinates
+COORDINATE_TOLERANCE_MM = 1e-6  # mm: files give coordinates to within this
 
 
 def error_in_other_patients(model, value):
@@ -59,9 +59,10 @@ def model_error(model, documents, lowest):
 
 
 def check_patient(path, answer, document):
-    """Raises InputError unless `answer` (of ffr.json, at `path`) has the probes of the boundary values `document`.
+    """Raises InputError unless `answer`, the document of ffr.json at `path`, has the probes of `document`.
 
-    The distance of a probe in `answer` from its point in the boundary values must equal its `shift_mm`.
+    document: content of boundary.json. The distance of a probe in `answer` from its point there must equal its
+    `shift_mm`.
     """
     given = {probe["name"]: np.array(probe["point_mm"], float) for probe in document["probes"]}
     try:

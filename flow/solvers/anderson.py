@@ -3,7 +3,7 @@
 Anderson 1965, J ACM 12:547; as a multi-secant method Fang and Saad 2009, Numer Linear Algebra Appl 16:197. F(x) is the
 residual of state x, P an old tangent. P alone would correct the state by f(x) = -P^-1 F(x). The columns of dX and dF
 are the differences of the last states and of their corrections f. The step is f - (dX + dF) y, where y minimizes
-|f - dF y|. In the directions dF this step uses secants of the true inverse, in all others the inverse of P.
+|f - dF y|. So the part of f along dF is replaced by what the last states show, and the rest of f stays.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ SINGULAR_VALUE_CUTOFF = (
 class AndersonAcceleration:
     """Keeps the last differences of states (n,) and of corrections (n,).
 
-    weights (n,): the inner product of a and b is the sum of weights^2 a b.
+    weights (n,): they define the inner product of a and b, the sum of weights^2 a b.
     """
 
     def __init__(self, weights):
@@ -26,7 +26,7 @@ class AndersonAcceleration:
         self.last = None
 
     def step(self, state, correction):
-        """The accelerated step (n,) from `state` (n,); correction (n,): f, by the old tangent alone."""
+        """The accelerated step (n,) from `state` (n,). correction (n,): the correction f by the old tangent alone."""
         if self.last is not None:
             self.state_differences.append(state - self.last[0])
             self.correction_differences.append(correction - self.last[1])

@@ -1,4 +1,4 @@
-"""From a creeping flow to the steady jet: an artificial viscosity eps h |u| is taken away step by step.
+"""From a creeping flow to the steady jet: an artificial viscosity eps rho h |u| is taken away step by step.
 
 h is the width of the cells (physics.navier_stokes). On a mesh that does not resolve a jet's shear layer, Newton's
 method finds no steady flow from rest. With eps = 1 it does, and the flow changes smoothly as eps falls. This sequence
@@ -8,9 +8,9 @@ continuation (Allgower and Georg, Introduction to Numerical Continuation Methods
 is tried from the first flow with eps at most SMALL_EPS, and once more from eps = LEAST_EPS.
 
 On the coarsest of three meshes continuation ends at COARSE_MESH_EPS, where eps = 0 is tried once. The next mesh starts
-there. If the mesh before has reached eps = 0, a finer mesh starts from that mesh's last flow with eps > 0 and tries
-eps = 0 from there. If it has not, the finest mesh keeps the eps of the mesh before. Both flows then belong to one
-model, and their difference shows the error of the mesh.
+from the last flow with eps > 0. If the mesh before has reached eps = 0, eps = 0 is tried at once from this start. If it
+has not, the finest mesh keeps the eps of the mesh before. Both flows then belong to one model, and their difference
+shows the error of the mesh.
 
 If no flow without artificial viscosity is found, the flow with the least eps is the answer. The error estimate includes
 the effect of this eps on FFR (errors.error_field).
@@ -28,16 +28,16 @@ FIRST_EPS = (1.0, 0.4, 0.16)  # eps of the first flows; each starts from the one
 FIRST_PICARD_STEPS = 4  # most steps of Picard's method for the first flow
 FIRST_STEP = 0.9  # length of the step (see VELOCITY_WEIGHT) after a single flow, where there is no secant yet
 MOST_FACTORIZATIONS = 6  # a step that needs more factorizations at one eps counts as failed
-# The length of a step is the root of the sum of two squares: of the change of ln eps, and of VELOCITY_WEIGHT times the
-# relative change of the velocities.
+# The square of a step's length is the sum of two squares: that of the change of ln eps, and that of VELOCITY_WEIGHT
+# times the relative change of the velocities.
 VELOCITY_WEIGHT = 3.0
 # The next step is LONGER_FACTOR times as long if this one took at most FEW_FACTORIZATIONS factorizations, equally long
 # up to MANY_FACTORIZATIONS, SHORTER_FACTOR times above. A failed step is repeated with FAILED_FACTOR times its length.
 FEW_FACTORIZATIONS, MANY_FACTORIZATIONS = 2, 3
 LONGER_FACTOR, SHORTER_FACTOR, FAILED_FACTOR = 1.6, 0.7, 0.4
 LONGEST_STEP, SHORTEST_STEP = 1.6, 0.1  # limits of a step's length
-# eps = 0 is tried at the first eps that is not above SMALL_EPS, and at LEAST_EPS, where continuation ends. It also ends
-# at a failed step from an eps of at most SMALL_EPS.
+# eps = 0 is tried at the first eps that is not above SMALL_EPS, and at LEAST_EPS, where continuation ends. Continuation
+# also ends if a step from an eps of at most SMALL_EPS fails.
 SMALL_EPS, LEAST_EPS = TRIED_EPS = 0.01, 0.003
 COARSE_MESH_EPS = 0.02  # eps at which continuation ends on a mesh whose flow is the start on a finer mesh
 LARGEST_EPS = 0.05  # a flow with a larger eps is no answer
@@ -47,8 +47,7 @@ MOST_STARTS = 3  # number of flows of another mesh that are tried as a start, th
 def from_rest(problem, stop_early=False):
     """Outcome at full flow from rest. Raises ComputationError where no flow with eps <= LARGEST_EPS is found.
 
-    problem: nonlinear.FlowProblem. stop_early: continuation ends at eps = COARSE_MESH_EPS, or at 0 if the one attempt
-    from there succeeds.
+    problem: nonlinear.FlowProblem. stop_early: continuation ends at eps = COARSE_MESH_EPS, where eps = 0 is tried once.
     """
     problem.boundaries.set_full_flow()
     for eps in FIRST_EPS:
@@ -72,8 +71,8 @@ def from_guess(problem, coarse, lower_further=True):
 
     The start is the last flow with eps > 0 found on that mesh, or an earlier one if this fails. From the flow at
     eps = 0 Newton's method often fails, as the jets of two meshes differ. A mesh that was solved without continuation
-    has only a flow with eps = 0. This flow is tried at eps = 0, and if that fails as the guess at COARSE_MESH_EPS.
-    lower_further: eps is lowered further even if that mesh did not reach 0. Raises ComputationError.
+    has only a flow with eps = 0. Then Newton's method starts from this flow, at eps = 0 and if that fails at
+    COARSE_MESH_EPS. lower_further: eps is lowered further even if that mesh did not reach 0. Raises ComputationError.
     """
     problem.boundaries.set_full_flow()
     starts = coarse.flows_found or [(coarse.artificial_viscosity, coarse.state.x.array, coarse.inflow)]
@@ -96,7 +95,8 @@ def from_guess(problem, coarse, lower_further=True):
 def lower_viscosity(problem, tried_eps=TRIED_EPS):
     """Lowers eps step by step from the last flows in `problem.flows_found`, to 0 if possible, and adds the flows found.
 
-    tried_eps: eps = 0 is tried at the first eps below each of these. eps falls no further than the last of them.
+    tried_eps: values of eps, falling. eps = 0 is tried from the first flow at or below each of them. eps falls no
+    further than the last of them.
     """
     step, least = None, tried_eps[-1]
     while problem.factorizations_left > MOST_FACTORIZATIONS and problem.artificial_viscosity > 0:
@@ -153,8 +153,8 @@ def converge_fully(problem):
 def _newton_at_eps(problem, eps, relative, most_picard=0, limit=MOST_FACTORIZATIONS):
     """Outcome of Newton's method from the present state with artificial viscosity eps.
 
-    relative: tolerance of the residual over the pressure load; most_picard, limit: most steps of Picard's method and
-    most factorizations, as in newton.newton.
+    relative: tolerance of the residual over the pressure load; most_picard: most steps of Picard's method; limit: most
+    factorizations, as in newton.newton.
     """
     problem.forms.artificial_viscosity.value = eps
     print(f"artificial viscosity {eps:.3g}", file=problem.log, flush=True)

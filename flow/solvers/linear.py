@@ -3,8 +3,8 @@
     [A  B] [x]   [f]          x = A^-1 f - (A^-1 B) y,   (D - C A^-1 B) y = g - C A^-1 f
     [C  D] [y] = [g]
 
-A is sparse; its unknowns are the velocity and pressure dofs that no boundary fixes. The border has a row and a column
-for the inflow and for each outlet. `DirectSolver` factorizes A by MUMPS.
+A is sparse; its unknowns x are the velocity and pressure dofs that no boundary fixes. The border has a row and a column
+for the inflow and for each outlet, with the unknowns y. `DirectSolver` factorizes A by MUMPS.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ from common.errors import ComputationError
 class DirectSolver:
     """MUMPS factorization of A.
 
-    One PETSc KSP serves all steps: it reuses the symbolic factorization, and a new KSP each time would leak memory.
+    One PETSc KSP serves all steps. It reuses the symbolic factorization, and a new KSP for each step would leak memory.
     """
 
     def __init__(self):
@@ -45,7 +45,7 @@ class DirectSolver:
     def solve(self, right_sides):
         """A^-1 times the columns of right_sides (n, k). Raises ComputationError when MUMPS cannot.
 
-        Most of a solve's cost is to read the factors from memory. Here they are read once for all columns.
+        Most of a solve's cost is to read the factors from memory. So they are read once for all columns together.
         """
         # MUMPS reads and writes the columns one after the other, as in Fortran's order
         arrays = np.asfortranarray(right_sides), np.empty(right_sides.shape, order="F")

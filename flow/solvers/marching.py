@@ -18,21 +18,22 @@ from common.errors import ComputationError
 from flow.discretisation import compat
 
 RESIDUAL_TOLERANCE = 1e-5  # residual over the pressure load at which a step has converged
-MOST_CORRECTIONS = 24  # Newton corrections in one step
-# The factor of u in du/dt, over its value at the last factorization, must lie between these to use that again.
+MOST_CORRECTIONS = 24  # most Newton corrections in one step
+# An old factorization is used again while the factor of u in du/dt, over the factor at that factorization, lies between
+# these.
 REUSABLE_RATIO = (0.3, 3.0)
-MOST_FACTORIZATIONS = 3  # factorizations in one step
-# A correction is slow if it leaves more than SLOW_REDUCTION of the residual. More than MOST_SLOW_CORRECTIONS of them:
-# factorize anew.
+MOST_FACTORIZATIONS = 3  # most factorizations in one step
+# A correction is slow if it leaves more than SLOW_REDUCTION of the residual. After more than MOST_SLOW_CORRECTIONS slow
+# ones the tangent is factorized anew.
 SLOW_REDUCTION, MOST_SLOW_CORRECTIONS = 0.5, 2
 MANY_CORRECTIONS = 8  # after a step with more corrections the next step factorizes anew
 
 
 class Inertia:
-    """The inertia rho du/dt of a FlowProblem, as the force mass (weight u - past).
+    """The force of inertia rho du/dt in a FlowProblem, mass (weight u - past_terms).
 
-    mass is rho times the mass matrix. In the formula for du/dt, `weight` in 1/s is the factor of u, and -past (n,) in
-    m/s2 is the sum of the terms with u_1 and u_2.
+    `mass` is rho times the mass matrix. By the formula above du/dt is weight u - past_terms. `weight` in 1/s is the
+    factor of u; `past_terms` (n,) in m/s2 are minus the terms with u_1 and u_2.
     """
 
     def __init__(self, problem):
@@ -44,7 +45,7 @@ class Inertia:
         self._given, self._force = self.mass.createVecs()
 
     def add_force(self, residual, state):
-        """residual += mass (weight state - past), both arrays (n,) over W."""
+        """residual += mass (weight state - past_terms), both arrays (n,) over W."""
         self._given.array[:] = (self.weight * state - self.past_terms)[self.v_map]
         self.mass.mult(self._given, self._force)
         residual[self.v_map] += self._force.array_r
@@ -62,13 +63,13 @@ class Inertia:
 class Stepper:
     """Marches a FlowProblem in time from its present state.
 
-    time: in s since the start; steps: number of steps done.
+    time: time in s since the start; steps: number of steps done.
     """
 
     def __init__(self, problem):
         self.problem, self.time, self.steps = problem, 0.0, 0
         problem.inertia = self.inertia = Inertia(problem)
-        self.last_values = [problem.state.x.array.copy()]  # of up to three flows, the latest first
+        self.last_values = [problem.state.x.array.copy()]  # values of up to three flows, the latest first
         self.last_inflows = [problem.inflow]
         self.last_steps = []
         self.factorized_weight, self.acceleration = None, problem.acceleration()
@@ -97,9 +98,9 @@ class Stepper:
         return error
 
     def _extrapolate(self, dt):
-        """Sets the weights of BDF2, and the state to a first guess: a parabola in time through the last three flows.
+        """Sets the weights of BDF2, and as first guess of the state a parabola in time through the last three flows.
 
-        With two flows it is a line, with one a constant.
+        With two flows it is a straight line, with one a constant.
         """
         problem, inertia = self.problem, self.inertia
         times = -np.cumsum([0.0, *self.last_steps])  # times in s of the flows, from the last one
@@ -123,8 +124,8 @@ class Stepper:
     def _error(self, gap, dt):
         """Error of a BDF2 step in m/s; gap (n,): the new flow minus the extrapolated parabola, over W."""
         one, two = self.last_steps
-        # BDF2 and the parabola miss a flow that is cubic in time on opposite sides, by u''' dt (dt + one) / 6 times
-        # these factors
+        # for a flow that is cubic in time BDF2 and the parabola err in opposite directions, by u''' dt (dt + one) / 6
+        # times these factors
         formula, parabola = dt * (one + dt) / (one + 2 * dt), dt + one + two
         velocity = gap[self.problem.space.v_map]
         return formula / (formula + parabola) * float(np.sqrt(3 * np.mean(velocity**2)))

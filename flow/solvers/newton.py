@@ -25,18 +25,17 @@ STALLED_FACTOR = 0.15  # Newton's method ends after two steps in a row with smal
 REUSE_FOR_STEPS = 0.3
 REUSE_FOR_ESTIMATE = 0.1
 LARGEST_SHRINK_RATIO = 0.5  # accelerated steps end at a correction larger than this share of the one before
-MOST_ACCELERATED = 10  # accelerated steps with one factorization
-# Accelerated steps end when the residual is below this share of its tolerance. A Newton step in their place would end
-# as far below it.
+MOST_ACCELERATED = 10  # most accelerated steps with one factorization
+# Accelerated steps end when the residual is below this share of its tolerance. The residual after a Newton step, in
+# their place, would be about as far below the tolerance.
 RESIDUAL_MARGIN = 0.03
 
 
 @dataclasses.dataclass
 class DampedStep:
-    """A damped step: the sizes `size_before` and `size_after` in m/s of the corrections before and after it, and its
-    factor.
+    """A damped step: its factor, and the sizes in m/s of the corrections before and after it.
 
-    correction (n,) over the free dofs and inflow_correction in m3/s are the correction after the step.
+    correction (n,) over the free dofs and inflow_correction in m3/s are the correction after it.
     """
 
     size_before: float
@@ -48,9 +47,9 @@ class DampedStep:
 
 @dataclasses.dataclass
 class Outcome:
-    """Result of Newton's method: whether it converged, iterations (factorizations), and the norm of the residual.
+    """Result of Newton's method: whether it converged, iterations (number of factorizations), and the residual's norm.
 
-    residual_absolute in N; residual_relative over the pressure load (FlowProblem.pressure_load).
+    residual_absolute in N; residual_relative: the same over the pressure load (FlowProblem.pressure_load).
     """
 
     converged: bool
@@ -76,8 +75,8 @@ def newton_from(problem, fields, inflow, limit, picard_steps=0):
 def newton(problem, tolerance_n, limit, most_picard=0):
     """Outcome of Newton's method from the present state of a FlowProblem.
 
-    It has converged when the residual is at most `tolerance_n` in N. It gives up after `limit` factorizations, or after
-    all that the settings allow. If the last step was undamped (factor 1), it may take twice `limit`. It also gives up
+    It has converged when the residual is at most `tolerance_n` in N. It gives up after `limit` factorizations, or when
+    the settings allow no more. If the last step was undamped (factor 1), it may take twice `limit`. It also gives up
     after two steps in a row with damping factors below STALLED_FACTOR. Where no damping factor is accepted, a step of
     Picard's method is made instead, at most `most_picard` times.
     """
@@ -124,7 +123,7 @@ def newton(problem, tolerance_n, limit, most_picard=0):
 def picard(problem, free, inlet):
     """Makes one step of Picard's method and returns `problem.residual()` after it.
 
-    free, inlet: residual before, as `problem.residual` returns it.
+    free, inlet: the residual before the step, as `problem.residual` returns it.
     """
     base, base_inflow = problem.state.x.array.copy(), problem.inflow
     problem.linearise(problem.forms.picard)
@@ -163,9 +162,9 @@ def _accelerate(problem, residual_after, last_move, last_step, tolerance_n):
 
 
 def _first_factor(problem, last_step, update):
-    """The factor to try first: the smaller, the more the tangent changed over the step before.
+    """The factor to try first. The more the tangent changed over the last step, the smaller it is.
 
-    last_step: that DampedStep; without one (None) the factor is 1. update (n,): the new correction.
+    last_step: the DampedStep before, or None; then the factor is 1. update (n,): the new correction.
     """
     if last_step is None:
         return 1.0
@@ -180,7 +179,7 @@ def _first_factor(problem, last_step, update):
 
 
 def _search_factor(problem, residual_at, update, factor, norm_before):
-    """(DampedStep, `residual_at` its factor), or (None, None) where no factor of at least LEAST_FACTOR is accepted.
+    """(DampedStep, residual after it), or (None, None) where no factor of at least LEAST_FACTOR is accepted.
 
     residual_at(factor): moves the state and gives `problem.residual()`; factor: the first one tried; norm_before: norm
     in N of the residual before the step.

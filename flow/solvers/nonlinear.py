@@ -20,7 +20,7 @@ from flow.discretisation import forms, tangent
 from flow.physics.units import M3_PER_S_PER_ML_PER_MIN
 from flow.solvers import anderson, continuation, linear, newton, predicted_start, ramp
 
-MOST_FROM_STATE = 6  # factorizations from the flow of another state, before the flow is sought in the usual way
+MOST_FROM_STATE = 6  # most factorizations from the flow of another state, before the flow is sought in the usual way
 
 
 class FlowProblem:
@@ -61,7 +61,7 @@ class FlowProblem:
     def move(self, base, base_inflow, update, inflow_update, factor):
         """Sets the flow to base (n,) over W plus factor times update, the change of the free dofs.
 
-        base_inflow, inflow_update: likewise for the inflow in m3/s, which sets the velocity at the inlet.
+        The inflow in m3/s becomes base_inflow plus factor times inflow_update. It sets the velocity at the inlet.
         """
         values = base.copy()
         values[self.space.free_dofs] += factor * update
@@ -98,7 +98,7 @@ class FlowProblem:
         self._set_values(values, inflow)
 
     def set_guess(self, space, state, inflow):
-        """Sets the flow to one of another mesh, interpolated to this mesh's nodes.
+        """Sets the flow to the flow on another mesh, interpolated to this mesh's nodes.
 
         state: values over W of that mesh's LumenSpace `space`; inflow in m3/s.
         """
@@ -110,10 +110,10 @@ class FlowProblem:
         return float(np.linalg.norm(update[self.free_velocity]))
 
     def residual(self):
-        """Residual at the present state: (values (n,) in N at the free dofs, residual of the inflow's equation in Pa,
-        norm of both in N). Also sets mean_inlet_pressure in Pa, the mean weighted with the profile g.
+        """(residual (n,) in N at the free dofs, residual of the inflow's equation in Pa, norm of both in N).
 
-        The inflow's equation says that the mean inlet pressure is MAP.
+        All are at the present state. The inflow's equation says that the mean inlet pressure is MAP. Also sets
+        mean_inlet_pressure in Pa, the mean weighted with the profile g.
         """
         values, state = self.forms.assemble_residual(), self.state.x.array
         values += self.boundaries.pressures(self.boundaries.outflows(state)) @ self.boundaries.flux
@@ -127,7 +127,7 @@ class FlowProblem:
     def linearise(self, form):
         """Factorizes the tangent at the present state, for `correction` and `responses`. Raises ComputationError.
 
-        form: its velocity block, `tangent` (Newton) or `picard` of discretisation.forms.
+        form: form of the tangent's velocity block, `tangent` (Newton) or `picard` of discretisation.forms.
         """
         if self.matrix is None:
             self.matrix = tangent.FreeMatrix(self.space, self.forms)
@@ -169,9 +169,9 @@ class FlowProblem:
     def responses(self, loads):
         """Solutions w (n, k) over W of K w = load, for loads (n, k) over W; K is Newton's tangent.
 
-        w is the change of the flow by the load, to first order. The derivative of a quantity such as FFR times w is the
-        change of that quantity. The last factorization is used again if it was made at a state near by
-        (solvers.newton). Raises ComputationError.
+        w is the change of the flow by the load, to first order. The change of a quantity such as FFR is its derivative
+        times w. The last factorization is used again if it was made at a state near by (solvers.newton). Raises
+        ComputationError.
         """
         if self.bordered is None or self.linearised_as != (True, self.artificial_viscosity):
             self.linearise(self.forms.tangent)
@@ -202,9 +202,9 @@ class FlowProblem:
         """Outcome at full flow: from the flow of the reduced models, if it is near enough, or else from rest.
 
         resistances_at(fraction) -> (n,) outlet resistances in Pa s/m3, as solvers.ramp needs them; predictor:
-        reduced.coupled.Predictor. stop_early: a finer mesh follows. A single tube then tries the reduced models' flow
-        alone, and in a tree continuation ends early (continuation.from_rest). Raises ComputationError when no flow with
-        eps <= continuation.LARGEST_EPS is found.
+        reduced.coupled.Predictor. stop_early: a finer mesh follows, so less is tried. In a single tube it is only the
+        reduced models' flow. In a tree continuation ends early (continuation.from_rest). Raises ComputationError when
+        no flow with eps <= continuation.LARGEST_EPS is found.
         """
         outcome = predicted_start.try_predicted_flow(self, predictor)
         if outcome and outcome.converged:
@@ -222,8 +222,8 @@ class FlowProblem:
     def solve_from_guess(self, coarse, full_effort=False):
         """Outcome at full flow from the flow on another mesh of the same lumen, `coarse` (a solved FlowProblem).
 
-        full_effort: eps is lowered further even if that mesh did not reach 0. If no flow is found, the state is set to
-        rest and the result is None. Without `full_effort`, ComputationError is raised if no flow is found.
+        full_effort: eps is lowered further even if that mesh did not reach 0. If no flow is found, the state is then
+        set to rest and the result is None. Without `full_effort`, ComputationError is raised if no flow is found.
         """
         try:
             return continuation.from_guess(self, coarse, full_effort)
@@ -248,7 +248,7 @@ class FlowProblem:
     def stall_error(self, outcome):
         """ComputationError with the eps and the residual at which the solve ended.
 
-        outcome: that of the last attempt, or None; then the residual is that of the present state.
+        outcome: Outcome of the last attempt. If it is None, the residual is computed from the present state.
         """
         norm = outcome.residual_absolute if outcome else self.residual()[2]
         return ComputationError(

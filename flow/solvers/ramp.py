@@ -11,7 +11,7 @@ from flow.solvers import newton
 FRACTIONS = (0.1, 0.2, 0.35, 0.6, 1.0)
 # Most factorizations at a fraction below 1, and at the full flow. If they do not suffice, the ramp is given up.
 MOST_FACTORIZATIONS, MOST_AT_FULL_FLOW = 4, 8
-MOST_PICARD = 1  # steps of Picard's method at one fraction
+MOST_PICARD = 1  # most steps of Picard's method at one fraction
 INTERMEDIATE_REDUCTION = 5e-2  # at a fraction below 1, Newton's method ends when the residual has fallen to this share
 
 

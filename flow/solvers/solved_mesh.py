@@ -11,8 +11,8 @@ from flow.solvers import nonlinear
 
 # Effort on a mesh, eps being the factor of the artificial viscosity (solvers.continuation). EFFORT_EARLY_STOP: finer
 # meshes follow, so continuation may end at a large eps. EFFORT_FULL: every way to a flow is tried, with eps as small as
-# possible. EFFORT_GUESS_ONLY: the flow on the mesh before is the only start, since that flow is the answer if this mesh
-# has none.
+# possible. EFFORT_GUESS_ONLY: the flow on the mesh before is the only start. If it leads to no flow, that flow is the
+# answer.
 EFFORT_EARLY_STOP, EFFORT_FULL, EFFORT_GUESS_ONLY = "early stop", "full", "guess only"
 # Status of an answer. CONVERGED_WITH_VISCOSITY: an eps > 0 is left, so it is the steady flow of a modified model.
 CONVERGED, CONVERGED_WITH_VISCOSITY = STATUSES = ("converged", "converged with artificial viscosity")
@@ -22,8 +22,8 @@ class SolvedMesh:
     """One mesh with its flow.
 
     problem: nonlinear.FlowProblem; outcome: newton.Outcome; iterations: factorizations until the flow was found;
-    estimate: errors.error_estimate.estimate_error, set later; sampler: geometry.locate.FieldSampler. names, outflows in
-    m3/s, pressures in Pa: of the outlets, in the mesh's order; inflow in m3/s.
+    estimate: result of errors.error_estimate.estimate_error, set later; sampler: geometry.locate.FieldSampler.
+    outlet_names, outflows in m3/s and pressures in Pa list the outlets in the mesh's order; inflow in m3/s.
     """
 
     model = "3D Navier-Stokes, Taylor-Hood P2-P1 on quadratic tetrahedra"
@@ -50,8 +50,7 @@ class SolvedMesh:
 def solve_mesh(
     path, document, settings, tree, predictor, coarser=None, earlier_factorizations=0, effort=EFFORT_FULL, start=None
 ):
-    """Solves the flow on the mesh file `path`, from `start`, else from `coarser`, else from `predictor`. Returns
-    SolvedMesh.
+    """Solves the flow on the mesh file `path`, from `start`, else `coarser`, else `predictor`. Returns SolvedMesh.
 
     document: content of boundary.json; tree: geometry.centreline.Tree without extensions; start:
     inputs.solution.StartState, the flow of another state of the vessel; coarser: SolvedMesh on another mesh; predictor:

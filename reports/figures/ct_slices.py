@@ -1,4 +1,4 @@
-"""Slices of the CT before and after the procedure with lumen and plaque, as figure 5 of Lyu et al. 2025."""
+"""Slices of the CT before and after the procedure with lumen and plaque, like figure 5 of Lyu et al. 2025."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -12,22 +12,22 @@ from reports.inputs.reading import require_file, read_polydata
 
 HALF_WIDTH_MM, PIXEL_MM = 5.0, 0.05
 WINDOW_HU = (-200.0, 800.0)
-SLICE_NAMES = ("Proximal end", "Tightest place before", "Distal end")  # in the treated segment with its margins
+SLICE_NAMES = ("Proximal end", "Tightest place before", "Distal end")  # places in the treated segment, margins included
 # state of the image -> states whose lumens are drawn on it: the true lumen, and the lumen found in the image
 STATES_BY_IMAGE = {"pre": ("pre", "ct_pre"), "reference": ("reference", "ct")}
 SEGMENTED_STATES = ("ct_pre", "ct")
-TRUE_COLOUR, SEGMENTED_COLOUR, PLAQUE_COLOUR = "#5fe3c0", "#ff8ad8", "#e6c229"  # for a black background
+TRUE_COLOUR, SEGMENTED_COLOUR, PLAQUE_COLOUR = "#5fe3c0", "#ff8ad8", "#e6c229"  # all visible on the black of a CT
 
 
 def ct_figure(files, metrics, folder):
     """Writes <case>_ct.{svg,png} and returns their paths.
 
-    Each panel is a slice across the vessel. Rows are the CT images STATES_BY_IMAGE, columns the SLICE_NAMES along the
-    segment.
+    Each panel is a slice across the vessel. There is a row for each CT image (STATES_BY_IMAGE) and a column for each
+    place along the segment (SLICE_NAMES).
     """
     before = metrics["states"]["pre"]["area"]["profile_mm2"]
     stations = dict(zip(SLICE_NAMES, (0, int(np.argmin(before)), len(before) - 1)))
-    with plt.rc_context({"figure.constrained_layout.use": False}):  # that layout would leave wide gaps between images
+    with plt.rc_context({"figure.constrained_layout.use": False}):  # it would leave wide gaps between images
         figure, grid = plt.subplots(len(STATES_BY_IMAGE), len(SLICE_NAMES), figsize=(7.5, 5.6), squeeze=False)
     figure.subplots_adjust(left=0.04, right=0.99, bottom=0.09, top=0.95, wspace=0.03, hspace=0.03)
     for row, (image, states) in zip(grid, STATES_BY_IMAGE.items()):
@@ -69,9 +69,9 @@ def cross_section_plane(line, s_mm):
 
 
 def draw_slice(axes, values, origin, spacing, centre, plane_axes):
-    """Draws the CT in grey on a square of side 2 HALF_WIDTH_MM round `centre`.
+    """Draws the CT in grey on a square of side 2 HALF_WIDTH_MM round the point `centre` (3,).
 
-    plane_axes (2, 3): unit vectors of its plane.
+    values, origin, spacing: result of `read_volume`. plane_axes (2, 3): unit vectors in the plane of the square.
     """
     positions = np.arange(-HALF_WIDTH_MM, HALF_WIDTH_MM + 0.5 * PIXEL_MM, PIXEL_MM)
     points = centre + positions[None, :, None] * plane_axes[0] + positions[:, None, None] * plane_axes[1]
@@ -84,9 +84,10 @@ def draw_slice(axes, values, origin, spacing, centre, plane_axes):
 
 
 def draw_outline(axes, lumen, centre, plane_axes, state):
-    """Draws the outline of a lumen file in the plane and, for state `pre`, the plaque's outer edge if it has one.
+    """Draws the outline of a lumen in a plane and, for state `pre`, the outer edge of its plaque if there is any.
 
-    centre (3,) and plane_axes (2, 3): point and unit vectors of the plane. Of several outlines the nearest is drawn.
+    lumen: file of the surface. centre (3,) and plane_axes (2, 3): a point of the plane in mm and unit vectors in it.
+    If the plane cuts the surface in several outlines, only the one nearest to `centre` is drawn.
     """
     surface = read_polydata(lumen, "anatomy")
     plane = vtk.vtkPlane()

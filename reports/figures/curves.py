@@ -10,21 +10,21 @@ from reports.measuring.pressure_wire import FFR_THRESHOLD
 from reports.measuring.profiles import read_pullback, read_pullback_error
 
 FIGURE_SIZE = (6.6, 3.6)  # inches
-# the wire's readings: key in metrics.json, words, fill colour of the mark
+# readings of the pressure wire: key in metrics.json, words of the legend, fill colour of the mark
 WIRE_MARKS = (("ffr_pre", "before PCI", "none"), ("ffr_post", "after PCI", COLOURS["measured"]))
 ERROR_BAND_OPACITY = 0.25  # opacity of the band of estimated error round a curve
-HEADROOM = 0.12  # room above the curves for the name of the shaded segment, as a share of the height below
+HEADROOM = 0.12  # room above the curves for the word "stent", as a share of the height below it
 LEGEND_ROW, LEGEND_MARGIN = 0.18, 0.12  # inches: height of a row of the legend, and of the space round it
-# Ends of an axis: of a small vessel, and of any other. They are fixed, so that patients can be compared although each
-# figure is drawn from one case alone. Areas of a lumen 3.6 and 5.6 mm wide; curvatures of a bend with a radius of 6.7
-# and 2.9 mm; losses of FFR.
+# Each vertical axis ends at the first value in a small vessel, at the second in any other. Fixed ends let a reader
+# compare patients, although each figure shows only one. The areas are those of lumens 3.6 and 5.6 mm wide. The
+# curvatures are those of bends with radii of 6.7 and 2.9 mm. A loss of FFR is 1 minus the lowest FFR.
 AREA_TOPS_MM2, CURVATURE_TOPS_PER_MM, FFR_LOSSES = (10.0, 25.0), (0.15, 0.35), (0.25, 0.5)
 
 
 def axis_end(largest, ends):
-    """The end of an axis that shows values from 0 to `largest`: the smaller of both `ends` if it suffices.
+    """The end of an axis that shows values from 0 to `largest`.
 
-    Else the larger one, or the least multiple of it that suffices.
+    It is the smaller of both `ends` if that suffices, else the least multiple of the larger one that suffices.
     """
     small, usual = ends
     return small if largest <= small else usual * max(1, math.ceil(largest / usual))
@@ -59,7 +59,7 @@ def pullback_figure(files, metrics, folder):
 
 
 def draw_wire(axes, metrics):
-    """Draws the pressure wire's FFR as marks, open before and full after the procedure.
+    """Draws the pressure wire's FFR as marks: an open mark before the procedure, a filled one after it.
 
     Returns the lowest reading, or 1 if the wire was not in the stented branch.
     """
@@ -93,8 +93,9 @@ def shade_segment(axes, segment):
 def segment_figure(metrics, folder, name, title, label, profile, mean, ends):
     """Writes <case>_<name>.{svg,png}: one quantity along the segment in all states, with the means in the legend.
 
-    States are drawn at equal relative position. profile, mean: functions of a state's entry in metrics.json, which
-    return the values at the stations and the mean as a text. ends: possible ends of the axis, see `axis_end`.
+    The lumens differ in length, so all states are drawn over the length before PCI, by relative position. profile and
+    mean take a state's entry in metrics.json. profile returns the values at the stations, mean the mean as a text.
+    label: name of the vertical axis; ends: its two possible ends (see `axis_end`).
     """
     figure, axes = plt.subplots(figsize=FIGURE_SIZE)
     length = metrics["segment"]["s_end_mm"] - metrics["segment"]["s_start_mm"]

@@ -1,4 +1,4 @@
-"""Figure of Diff^A and Diff^C along the treated segment, of every patient and of the cohort."""
+"""Figure of the differences in area (Diff^A) and curvature (Diff^C) along the segment, by patient and on average."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -12,7 +12,7 @@ PANELS = (
 )
 COMMON_POSITIONS = np.linspace(0.0, 1.0, 101)  # relative positions at which patients are averaged
 FEWEST_FOR_BAND = 3
-ROW_HEIGHT, LEGEND_ROW, LEGEND_MARGIN = 3.0, 0.2, 0.2  # inches: heights of a row of panels, of the legend's parts
+ROW_HEIGHT, LEGEND_ROW, LEGEND_MARGIN = 3.0, 0.2, 0.2  # inches: row of panels, row of legend, space round it
 
 
 def differences_figure(documents, folder):

@@ -58,7 +58,7 @@ def lumen_figure(files, metrics, folder):
 def panel_grid(count, aspect):
     """(rows, columns, figure size in inches) for `count` panels. aspect: width / height of a panel.
 
-    The figure is near 16:9 and has few empty places.
+    The number of columns is chosen so that the figure is nearly 16:9 and few places stay empty.
     """
     best = None
     for columns in range(1, count + 1):
@@ -71,16 +71,17 @@ def panel_grid(count, aspect):
 
 
 def nearest_ffr(files, state, points):
-    """FFR (n,) at points (n, 3) in mm of a state's lumen, from the nearest place of any branch's pull-back."""
+    """FFR (n,) at points (n, 3) in mm of a state's lumen: that of the nearest point of pullback.csv, in any branch."""
     table = read_table(files.flow(state) / "pullback.csv", PULLBACK_NUMBERS, ("branch",), "flow solve")
     _, nearest = cKDTree(table[["x_mm", "y_mm", "z_mm"]].to_numpy()).query(points)
     return table["ffr"].to_numpy()[nearest]
 
 
 def view_axes(points):
-    """Right-handed axes (3, 3) of the view: x along the vessel's longest extent, z, towards the viewer, its least.
+    """Right-handed axes of the view, the rows of a (3, 3) array, for a vessel's points (n, 3).
 
-    Signs are fixed by the points themselves, so that the same vessel is always seen from the same side.
+    x lies along the vessel's longest extent. z lies along its least extent and points at the viewer. The points
+    themselves fix the signs, so that the same vessel is always seen from the same side.
     """
     centred = points - points.mean(0)
     _, vectors = np.linalg.eigh(centred.T @ centred)
@@ -115,7 +116,8 @@ def draw_lumen(axes, surface, values, scale, axes3, devices):
 def project_triangles(surface, axes3):
     """{corners (m, 3, 2), depth (m,), shade (m,), near (m,)} of the triangles of a Surface, seen along axes3[2].
 
-    corners and depth are in mm, in the axes of the view. shade: brightness. near: whether it faces the viewer.
+    corners and depth are in mm, in the axes of the view. shade: brightness, 0 to 1. near: whether a triangle faces the
+    viewer.
     """
     corners = (surface.points @ axes3.T)[surface.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -127,7 +129,7 @@ def project_triangles(surface, axes3):
 def draw_triangles(axes, projected, mask, colours, opacity):
     """Draws the triangles of `mask` (m,), furthest first. projected: result of project_triangles; colours (m, 4): rgba.
 
-    In the SVG they are pixels, since thousands of shapes would make a huge file.
+    The SVG holds them as one image of pixels, since thousands of shapes would make a huge file.
     """
     rows = np.flatnonzero(mask)
     rows = rows[np.argsort(projected["depth"][rows], kind="stable")]
@@ -141,7 +143,7 @@ def draw_triangles(axes, projected, mask, colours, opacity):
 
 
 def draw_scale_bar(axes, low):
-    """Draws a bar of SCALE_BAR_MM in the lower left corner `low` (x, y) of a view, in mm."""
+    """Draws a bar of length SCALE_BAR_MM at the lower left corner `low` of a view (x and y in mm)."""
     axes.plot([low[0], low[0] + SCALE_BAR_MM], [low[1] + 0.3] * 2, color="#333333", linewidth=2, solid_capstyle="butt")
     axes.annotate(f"{SCALE_BAR_MM:g} mm", (low[0] + SCALE_BAR_MM, low[1] + 0.3), (4, 0), textcoords="offset points")
     axes.texts[-1].set(va="center", fontsize=8.5, color="#333333")

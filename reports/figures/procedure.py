@@ -1,4 +1,4 @@
-"""Lumen and devices of a procedure, step by step and stage by stage, as in figures 3 and 7 of Lyu et al. 2025."""
+"""Lumen and devices of a procedure, step by step and stage by stage, like figures 3 and 7 of Lyu et al. 2025."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -14,16 +14,17 @@ STAGE_TITLES = {
     "contact-to-balance": "At full pressure",
     "balloon-extraction": "Balloon taken out",
 }
-VIEW_MARGIN_MM = 6.0  # of vessel shown beyond the devices
+VIEW_MARGIN_MM = 6.0  # length of vessel shown beyond the devices
 BALLOON_COLOUR, STENT_COLOUR = (0.55, 0.72, 0.90, 1.0), (0.16, 0.16, 0.2, 1.0)
 FIGURE_WIDTH = 7.5  # inches
 TITLE_HEIGHT = 0.32  # inches, height of a row's title
 
 
 def procedure_figure(case, deployment, frames, folder):
-    """Writes <case>_procedure.{svg,png} and returns their paths. Rows are steps, columns stages, all in one view.
+    """Writes <case>_procedure.{svg,png} and returns their paths.
 
-    deployment: deployment.json. frames: the folder of `vci deploy --frames`, with one frame for each stage.
+    Each step has a row and each stage a column; all panels have the same view. deployment: path of deployment.json.
+    frames: the folder that `vci deploy --frames` wrote, with one frame for each stage.
     """
     stages = read_json(deployment, "vci deploy")["stages"]
     frames_shown = [read_frame(frames, number) for number in range(len(stages))]
@@ -37,8 +38,8 @@ def procedure_figure(case, deployment, frames, folder):
     for axes in grid.ravel():
         axes.set_axis_off()
     rows = stage_rows(stages)
-    # Stents come first among a frame's devices. In a step's last stage the balloon is removed, so only stents are left.
-    # Their number tells which devices of the step's earlier stages are stents.
+    # Which devices are stents? They come first in a frame. In a step's last stage the balloon is gone, so the number of
+    # devices there is the number of stents in all stages of this step.
     stents = {line: len(devices) for (_, devices), (line, _) in zip(frames_shown, rows)}
     for (lumen, devices), stage, (line, first) in zip(frames_shown, stages, rows):
         axes = grid[line, list(STAGE_TITLES).index(stage["stage"])]
@@ -82,7 +83,7 @@ def view_window(points):
 
 
 def stage_rows(stages):
-    """[(row, first)] of the stages: the figure's row of each, and whether it is the first stage of its step.
+    """[(row, first)] for each stage: its row in the figure, and whether it is the first stage of its step.
 
     Each step has a row of its own, numbered from 0.
     """

@@ -31,7 +31,7 @@ def seconds_figure(timings, folder):
         axes.set_xticks(range(1, len(names) + 1), [name.replace("_", " ") for name in names])
         axes.tick_params(axis="x", labelsize=8)
         axes.set(title=title)
-    for panels in (row[:2], row[2:]):  # a stage and a step last about as long, the whole procedure longer
+    for panels in (row[:2], row[2:]):  # the whole procedure lasts longer, so its panel has a scale of its own
         top = 1.15 * max(axes.dataLim.y1 for axes in panels)
         plt.setp(panels, ylim=(0, top))
     row[0].set_ylabel("s")

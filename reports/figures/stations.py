@@ -11,14 +11,14 @@ from reports.inputs.surface import read_lumen
 STATES = ("pre", "vci", "reference", "post")
 SHOWN_STATIONS = 10  # about this many stations are drawn, evenly spaced along the segment
 MOST_TRIANGLES = 6000
-MARGIN_MM, LABEL_MM = 4.0, 0.9  # vessel shown beyond the segment; from a section's end to its label
-FIGURE_WIDTH, LARGEST_PANEL_HEIGHT = 7.6, 3.6  # inches: of the figure, of a panel
-TANGENT_STEP_MM = 0.5  # distance to either side of a station at which the axis' direction is measured
+MARGIN_MM, LABEL_MM = 4.0, 0.9  # length of vessel shown beyond the segment; gap between a section's line and its label
+FIGURE_WIDTH, LARGEST_PANEL_HEIGHT = 7.6, 3.6  # inches
+TANGENT_STEP_MM = 0.5  # the axis' direction at a station is measured between points this far to either side
 LINE_LENGTH_FACTOR = 1.25  # length of a section's line as a multiple of the lumen's diameter
 
 
 def stations_figure(files, metrics, folder):
-    """Writes <case>_stations.{svg,png}: a panel for each state, in which stations have their distance and area."""
+    """Writes <case>_stations.{svg,png}: a panel for each state, with distance and area written at some stations."""
     states = [state for state in STATES if state in metrics["states"]]
     chosen = np.unique(np.linspace(0, metrics["stations"]["used"] - 1, SHOWN_STATIONS + 1).round().astype(int))
     marks = {state: station_marks(files, metrics, state, chosen) for state in states}

@@ -13,7 +13,7 @@ from reports.figures.style import COLOURS, ERROR_LABELS, LABELS, save_figure
 from reports.measuring.pressure_wire import FFR_THRESHOLD
 from reports.measuring.metrics import COMPARISONS
 
-# title, unit, and least width of the horizontal axis, so that rounding errors do not fill it
+# title, unit, least width of the horizontal axis: a narrower axis would show nothing but rounding errors
 QUANTITY_AXES = {
     "ffr": ("FFR", "", 0.1),
     "mean_area": ("Mean CSA", " (mm²)", 2.0),
@@ -31,7 +31,7 @@ MARKERS = {
     "post": "P",
 }
 BEFORE_MARKER = {"pre": "v"}
-ROW_HEIGHT, LEGEND_ROW, LEGEND_MARGIN = 3.0, 0.2, 0.2  # inches: heights of a row of panels, of the legend's parts
+ROW_HEIGHT, LEGEND_ROW, LEGEND_MARGIN = 3.0, 0.2, 0.2  # inches: row of panels, row of legend, space round it
 PUBLISHED_COLOUR = "#b9b9b9"
 
 
@@ -39,8 +39,8 @@ def study_figures(documents, folder):
     """Writes agreement.{svg,png}, differences.{svg,png} and ffr_before_after.{svg,png}.
 
     agreement needs a case with a reference, a lumen after PCI or a measured FFR. differences needs a case in which a
-    prediction is compared with a lumen after PCI. These two show the included patients (`analysed_documents`), the
-    third all.
+    prediction is compared with a lumen after PCI. Both show the included patients (`analysed_documents`).
+    ffr_before_after shows all patients.
     """
     with_truth = [one for one in documents if one.get("measured") or set(TRUE_STATES) & set(one["states"])]
     if with_truth:
@@ -54,8 +54,8 @@ def study_figures(documents, folder):
 def agreement_figure(documents, folder):
     """Writes agreement.{svg,png}: Bland-Altman plots of FFR, areas and curvature, with a row for each kind of error.
 
-    The rows of a quantity share the axis of the difference, so that the errors can be compared. The published agreement
-    is of the kind `clinical` and is drawn in that row.
+    All panels of a quantity have the same vertical axis, so that a reader can compare the kinds of error. The published
+    agreement is a `clinical` error, so it is drawn in that row.
     """
     comparisons = {kind: [(a, b) for a, b, error in COMPARISONS if error == kind] for kind in ERROR_LABELS}
     shown = [
@@ -89,7 +89,7 @@ def agreement_figure(documents, folder):
 
 
 def common_quantity(kind):
-    """The quantity that all cases with this kind of error have.
+    """The quantity that all cases with this kind of error have, so that the legend names every comparison.
 
     A pressure wire measures FFR only. A lumen always has an area, but it may have no flow.
     """
@@ -104,8 +104,8 @@ def has_pairs(documents, quantity, pairs):
 def draw_published(axes, source):
     """Draws the published bias and limits of agreement behind a panel. source: entry of published.json, or None.
 
-    They leave the axis as it is: they may be many times wider than this study's errors, which could then not be told
-    apart. The limits are written too, since the band may reach beyond the axis.
+    The axis keeps its ends. If it grew to the published limits, this study's errors might be too small to tell apart.
+    The limits are written below the panel too, since the band may reach beyond the axis.
     """
     if not source or not axes.axison:
         return

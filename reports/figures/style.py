@@ -1,4 +1,4 @@
-"""One style for all figures: each state has a colour (Okabe-Ito, safe for colour-blind readers) and a line style."""
+"""One style for all figures. Each state has a line style and a colour, safe for colour-blind readers (Okabe-Ito)."""
 
 import matplotlib
 

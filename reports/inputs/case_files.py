@@ -6,21 +6,18 @@ import pathlib
 from common.errors import InputError
 from reports.inputs.reading import entry, number, read_json
 
-# rc: radius correction by the largest balloon. rc_stent: radius correction by the stents alone.
-# ct: the lumen found in the reference's CT. ct_vci, ct_rc: predictions from the lumen found in the CT before.
-# post: the lumen found after the real procedure.
+# pre: the lumen before PCI. vci: after virtual PCI. rc: radius correction by the largest balloon. rc_stent: radius
+# correction by the stents alone. reference: the finite-element truth. ct: the lumen found in the reference's CT.
+# ct_vci, ct_rc: predictions from the lumen found in the CT before PCI. post: the lumen found after the real PCI.
 STATES = ("pre", "vci", "rc", "rc_stent", "reference", "ct", "ct_vci", "ct_rc", "post")
 PREDICTED_FROM_CT = ("ct_vci", "ct_rc")
 CT_STATES = ("ct", *PREDICTED_FROM_CT)
-TRUE_STATES = ("reference", "post")  # true lumens after PCI; of a case with both the first counts
+TRUE_STATES = ("reference", "post")  # true lumens after PCI; if a case has both, the first counts
 SEGMENTATION_ARMS = ("half_maximum",)  # further segmentations of the CT volumes; each has a folder in the case's folder
 
 
 def states_in_3d(states):
-    """Those of `states` that are shown in 3D.
-
-    Predictions from CT are left out, since they look like the other predictions.
-    """
+    """The `states` that are shown in 3D: all but the predictions from CT, which look like the other predictions."""
     return [state for state in states if state not in PREDICTED_FROM_CT]
 
 
@@ -31,8 +28,8 @@ CT_IMAGED_STATES = ("pre", "reference")  # states of which there may be a CT vol
 class CaseFiles:
     """The files of one case below its folder.
 
-    arm: one of SEGMENTATION_ARMS, a further segmentation of the CT volumes, or "" for the main one. With an arm the
-    lumens of the states CT_STATES come from that segmentation. Their FFR comes from the calibrated 1D flow network, not
+    arm: "" for the study's own segmentation of the CT volumes, or the name of a further one (SEGMENTATION_ARMS). A
+    further one gives the lumens of the states CT_STATES. Their FFR then comes from the calibrated 1D flow network, not
     from 3D flow.
     """
 
@@ -65,13 +62,13 @@ class CaseFiles:
         return self.folder / "source" / "truth.json"
 
     def anatomy(self, state):
-        """The anatomy folder of a state; `pre` has the anatomy made first, in the case's own folder."""
+        """The anatomy folder of a state. For `pre` it lies directly in the case's folder."""
         if self.arm and state in CT_STATES:
             return self.folder / self.arm / state / "anatomy"
         return self.folder / "anatomy" if state == "pre" else self.folder / state / "anatomy"
 
     def lumen(self, state):
-        """The surface of a state that its anatomy step wrote."""
+        """The lumen's surface as the anatomy step of this state wrote it."""
         return self.anatomy(state) / "lumen.vtp"
 
     def segmentation(self, state):
@@ -79,9 +76,9 @@ class CaseFiles:
         return self.folder / self.arm / "ct" / state / "segmentation.json"
 
     def lumen_record(self):
-        """(kind, path) of the record of a real patient's lumen, or None.
+        """(kind, path) of the file that says how a real patient's lumen was made from images, or None.
 
-        It is segmentation.json of a CT, or contours.json of contours.
+        kind: "ct" or "contours".
         """
         found = [
             ("ct", self.folder / "source" / "segmentation.json"),
@@ -94,13 +91,13 @@ class CaseFiles:
 
     @property
     def registration(self):
-        """The registration of the lumen after the real procedure to the lumen before it."""
+        """The file that says how the lumen after the real procedure was aligned with the lumen before it."""
         return self.folder / "post" / "registration.json"
 
     def has_flow(self, state):
-        """Whether the 3D flow of a state was solved. For `post` it was not if only areas are compared.
+        """Whether the 3D flow of a state was solved.
 
-        An arm has no 3D flow in its own lumens.
+        It was not solved in an arm's own lumens, nor for `post` if the case compares only areas.
         """
         if self.arm and state in CT_STATES:
             return False
@@ -122,7 +119,7 @@ class CaseFiles:
 
     @property
     def deployed_lumen(self):
-        """The lumen that `vci deploy` wrote, with the engine's values at its points. The anatomy step drops them."""
+        """The lumen that `vci deploy` wrote. Its points have the engine's values, which the anatomy step drops."""
         return self.folder / "vci" / "lumen.vtp"
 
     def stent_files(self):

@@ -77,7 +77,7 @@ def read_branches(path):
 def nearest_places(lines, points, spacing_mm=0.05):
     """Branch names (n,) and arc lengths (n,) in mm of the places on `lines` nearest to points (n, 3) in mm.
 
-    lines: {name: Polyline}. The arc length is exact to half of `spacing_mm`.
+    lines: {name: Polyline}. The lines are sampled, so an arc length may be off by half of `spacing_mm`.
     """
     samples = {
         name: np.linspace(line.s_mm[0], line.s_mm[-1], 1 + int(np.ceil(np.ptp(line.s_mm) / spacing_mm)))

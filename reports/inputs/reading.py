@@ -26,7 +26,7 @@ def read_json(path, made_by):
 
 
 def read_failed(path):
-    """The entries of failed.json, which `workflow failed` makes; empty without a path."""
+    """The list `failed` of failed.json, which `workflow failed` makes; empty if no path is given."""
     return read_json(path, "workflow failed")["failed"] if path else []
 
 

@@ -23,7 +23,7 @@ def read_lumen(path, most_triangles):
 
 
 def read_device(path):
-    """A device as a Surface, its lines left out. None if the file holds no triangles."""
+    """A device as a Surface, without the lines in the file. None if the file holds no triangles."""
     polydata = triangulated(read_polydata(path, "vci deploy"))
     return to_surface(polydata) if polydata.GetNumberOfPolys() else None
 

@@ -1,4 +1,4 @@
 """One case measured: the treated segment, its area, curvature and FFR in each state -> metrics.json.
 
-It builds on inputs.
+It imports from the folder inputs.
 """

@@ -14,7 +14,7 @@ def line_curvature(line, s_mm):
     """Curvature in 1/mm at the arc lengths s_mm (n,) of a Polyline.
 
     kappa = |r' x r''| / |r'|^3. Here r is a quintic least-squares spline of the line's points over s. It has a knot
-    every 0.5 mm, or at every second point where the points are further apart.
+    every 0.5 mm. If the points are far apart, it has one knot for two points.
     Raises InputError if the line has too few points for a second derivative.
     """
     count = len(line.s_mm)
@@ -22,7 +22,7 @@ def line_curvature(line, s_mm):
         raise InputError("too few points for a curvature", line.source, count, f"at least {2 * DEGREE + 2} are needed")
     length = line.s_mm[-1] - line.s_mm[0]
     intervals = max(1, min(int(length / KNOT_SPACING_MM), (count - DEGREE) // 2))
-    # knots are at points of the line, so that each interval holds data however the points are spaced
+    # knots lie at points of the line, so that each interval holds data even if the points are unevenly spaced
     inner = line.s_mm[np.linspace(0, count - 1, intervals + 1).round().astype(int)][1:-1]
     knots = np.concatenate([np.full(DEGREE + 1, line.s_mm[0]), inner, np.full(DEGREE + 1, line.s_mm[-1])])
     spline = make_lsq_spline(line.s_mm, line.points, knots, k=DEGREE)

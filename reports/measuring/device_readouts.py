@@ -1,4 +1,4 @@
-"""The parts of metrics.json that are copied from other files: patient, lesion, procedure, results of the deployment."""
+"""The parts of metrics.json that come from other files: patient, lesion, procedure, results of the deployment."""
 
 from common.errors import InputError
 from reports.inputs.reading import entry, number, read_json
@@ -32,9 +32,9 @@ ML_PER_MIN = 6.0e7  # mL/min in one m3/s
 
 
 def patient_summary(files, case):
-    """The entry `patient` of metrics.json: pressures and inflow of boundary.json.
+    """The entry `patient` of metrics.json: pressures and inflow from boundary.json.
 
-    case: content (dict) of the case's file, or None. If given, its description, mass and blood pressures are added.
+    case: content (dict) of the case's file, or None. From it come description, ventricular mass and blood pressures.
     """
     boundary = read_json(files.boundary, "flow boundary")
     patient = {
@@ -67,17 +67,17 @@ def lesion_summary(files):
 
 
 def reference_summary(files):
-    """The vessel's healthy size and the lesions judged by it, as the planner found them. None for a given plan."""
+    """The vessel's healthy size and its lesions, as the planner found them. None if the case file gives the plan."""
     return read_json(files.scene, "workflow scene").get("reference")
 
 
-GIVEN_STATES = ("pre", "post")  # states whose lumen is given; all other lumens are made from these
+GIVEN_STATES = ("pre", "post")  # states whose lumen the case gives; all other lumens are made from these
 
 
 def lumen_warnings(files, states):
     """{state: [sentence]}: the warnings of `lumen process` on the given lumens, then those of the registration.
 
-    A closed branch, a filled opening, a lumen of few voxels or another vessel changes every result of the case.
+    Such a defect, for example a closed branch or another vessel after PCI, changes every result of the case.
     """
     warnings = {}
     for state in GIVEN_STATES:
@@ -119,8 +119,8 @@ def procedure_summary(files):
 def deployment_summary(files):
     """The values DEPLOYMENT_KEYS of deployment.json, its worst stages, and the wall's stretch at the stents' edges.
 
-    worst_residual and worst_max_penetration_mm are the largest of the stages, None without stages. stent_edges: the
-    rows of that function.
+    worst_residual and worst_max_penetration_mm are the largest values over all stages, None without stages. stent_edges
+    is the result of the function of that name.
     """
     document = read_json(files.deployment, "vci deploy")
     stages = entry(document, "stages", files.deployment)

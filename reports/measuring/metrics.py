@@ -19,13 +19,13 @@ from reports.measuring.segment import read_sections, treated_segment
 DEFAULT_MARGIN_MM = 2.0
 DEFAULT_STATIONS = 101
 FEWEST_STATIONS = 50
-LEAST_COVERAGE = 0.5  # share of the stations; with fewer, a mean no longer represents the segment
+LEAST_COVERAGE = 0.5  # least share of the stations to compare; with fewer, a mean no longer represents the segment
 # (a, b, error): state a minus state b shows this error.
 # method: the prediction minus the truth.
 # imaging_before: the prediction from the lumen found in CT minus that from the true lumen.
 # imaging_after: the truth as seen in CT minus the truth.
-# clinical: all of these together, because a clinical study has only images. The lumen after PCI comes from a CT or
-# from the real procedure.
+# clinical: all three errors together, because a clinical study has only images. The lumen after PCI is that of a CT or
+# of the real procedure.
 # measured: the computed FFR minus that of a pressure wire, at the wire's sensor.
 COMPARISONS = (
     ("vci", "reference", "method"),
@@ -50,7 +50,8 @@ QUANTITIES = ("area_mm2", "curvature_per_mm", "ffr")
 def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, states=None, config=None):
     """The document of metrics.json (reports/tables.md) for the CaseFiles `files`.
 
-    states: those to measure; by default every state with results. config: the case's YAML, for the patient's data.
+    states: names of those to measure; by default every state with results. config: file config/cases/<case>.yaml, for
+    the patient's data; None leaves these out.
     Raises InputError for missing or malformed files, ComputationError for a state that cannot be compared.
     """
     if margin_mm < 0.0:
@@ -104,7 +105,7 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
 
 
 def imaging_summary(files, states):
-    """How each image was segmented, with the warnings: {state: {...}}; empty without images.
+    """{state: {method, point_spread_fwhm_mm, warnings}}: how each image was segmented; empty without images.
 
     A real patient's lumen before the procedure comes from a CT or from intravascular contours.
     """
@@ -139,7 +140,7 @@ REGISTRATION_KEYS = (
 def registration_summary(files, profile, segment):
     """The registration of the lumen after the real procedure to the lumen before: the keys REGISTRATION_KEYS.
 
-    It also has `segment_mm`, the segment's length, and `covered_mm`, how much of it the lumen after PCI covers.
+    It also has `segment_mm`, the segment's length, and `covered_mm`, the length that the lumen after PCI covers.
     profile: the StateProfiles of the state `post`.
     """
     document = read_json(files.registration, "anatomy register")
@@ -151,7 +152,10 @@ def registration_summary(files, profile, segment):
 
 
 def covered_mm(profile, segment):
-    """(covered length, the segment's length) in mm before PCI. A station counts if the state has sections round it."""
+    """(length that a state covers, length of the segment) in mm before PCI.
+
+    A station counts as covered if the state has sections on both sides of it.
+    """
     length = segment.s_end_mm - segment.s_start_mm
     return float(profile.inside.mean() * length), float(length)
 
@@ -167,7 +171,7 @@ def warn_if_partly_covered(profile, segment):
 
 
 def common_stations(profiles, where):
-    """Mask (n,) of the stations that have sections around them in every state, so that all are averaged alike.
+    """Mask (n,) of the stations with sections on both sides in every state: all states are averaged over these.
 
     Raises ComputationError if fewer than half of the stations are left.
     """
@@ -231,7 +235,7 @@ def profile_differences(a, b, used):
 
     a, b: StateProfiles; used (n,): mask of the compared stations. The entry `ffr` is None if one state has no FFR
     along the segment: it has no flow, or its FFR comes from the 1D network. `ffr_distal` is the difference at the
-    distal probe. It is None only if a state has no FFR at all.
+    distal probe, None only if a state has no FFR at all.
     """
     document, flow = {}, a.solution is not None and b.solution is not None
     for name in QUANTITIES:

@@ -3,14 +3,15 @@
 from common.errors import InputError
 from reports.inputs.reading import read_json
 
-MEASURED = "measured"  # name of the probe in boundary.json and ffr.json, and of the wire in comparisons
+MEASURED = "measured"  # name of the wire's probe in boundary.json and ffr.json, and of the wire in COMPARISONS
 FFR_THRESHOLD = 0.80  # at or below it a lesion is treated (ESC/EACTS guidelines on myocardial revascularisation)
 
 
 def wire_summary(files, case):
-    """{ffr_pre, ffr_post (None: not read), branch, s_mm} of the wire, from the case's file (dict) and boundary.json.
+    """{ffr_pre, ffr_post, branch, s_mm} of the wire, from boundary.json and `case` (content of its file).
 
-    None if nothing was measured. Raises InputError if boundary.json lacks the wire's probe.
+    An FFR that was not measured is None. The result is None without a wire. Raises InputError if boundary.json lacks
+    the wire's probe.
     """
     given = case.get("measured") if case else None
     if given is None:
@@ -28,9 +29,9 @@ def ffr_at_wire(solution):
 
 
 def wire_pair(document, state):
-    """(computed, measured) FFR of a state of metrics.json at the wire's sensor. None if either is missing.
+    """(computed, measured) FFR of a state at the wire's sensor; None if either is missing. document: metrics.json.
 
-    The measurement after the procedure is compared with every state after it.
+    The wire's FFR after the procedure is compared with every state after it.
     """
     measured, entry = document.get("measured"), document["states"].get(state)
     if measured is None or entry is None or entry["ffr"] is None:

@@ -12,9 +12,9 @@ from reports.inputs.reading import number, read_json, read_table
 from reports.measuring.segment import map_segment, diameters_at, read_sections
 
 PULLBACK_NUMBERS = ("s_mm", "x_mm", "y_mm", "z_mm", "pressure_pa", "ffr", "flow_m3_per_s")
-POST = "post"  # the lumen after the real procedure, from another image and with other ends
-ERROR_COLUMN = "ffr_error_estimate"  # a column of pullback.csv; empty where the error is not known
-# accepted statuses of an FFR from `flow solve`: a steady flow, or one that keeps some artificial viscosity
+POST = "post"  # the state after the real procedure; another image shows it, so its lumen ends elsewhere
+ERROR_COLUMN = "ffr_error_estimate"  # column of pullback.csv; a field is empty where the error is not known
+# statuses of ffr.json that are accepted: a steady flow, and one that keeps some artificial viscosity
 ACCEPTED_STATUSES = ("converged", "converged with artificial viscosity")
 
 
@@ -22,9 +22,9 @@ ACCEPTED_STATUSES = ("converged", "converged with artificial viscosity")
 class StateProfiles:
     """One state over the segment: arrays (n,) with one value for each station.
 
-    segment: the StateSegment. inside: marks stations with sections on both sides. sections: DataFrame of the branch's
-    sections. anatomy_curvature_per_mm: mean in 1/mm of the curvature that the anatomy step wrote. solution: content of
-    ffr.json. Without a flow, ffr and solution are None; if the 1D network gives the answer, only ffr is None.
+    segment: the StateSegment. inside: whether a station has sections on both sides. sections: DataFrame of the branch's
+    sections. anatomy_curvature_per_mm: mean of the curvature that the anatomy step wrote. solution: content of
+    ffr.json. Without a flow, ffr and solution are None. If FFR comes from the 1D network, only ffr is None.
     """
 
     segment: object
@@ -93,7 +93,7 @@ def ffr_error_estimate(solution):
 def state_profiles(files, state, segment, line, pre_sections, relative):
     """The StateProfiles of one state at the relative positions (n,) of its segment.
 
-    line: this state's centreline; pre_sections: the sections before the procedure, for the vessel's size.
+    line: this state's centreline. pre_sections: the sections before the procedure, which give the vessel's diameter.
     Raises InputError or ComputationError (see map_segment).
     """
     end_diameters = diameters_at(pre_sections, [segment.s_start_mm, segment.s_end_mm])

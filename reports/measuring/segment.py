@@ -9,7 +9,7 @@ from reports.inputs.polyline import Polyline, read_centreline
 from reports.inputs.reading import entry, number, read_json, read_table
 
 SECTION_NUMBERS = ("s_mm", "area_mm2", "equivalent_diameter_mm")
-# Sections flagged `end` are not used: they cut a cap's edge. In those flagged `ostium` the side branch is cut off.
+# Sections flagged `ostium` are used: a side branch is cut off there. Those flagged `end` are not: they cut a cap.
 USED_FLAGS = ("ok", "ostium")
 FLAGS = (*USED_FLAGS, "end")
 
@@ -33,7 +33,7 @@ class TreatedSegment:
 class StateSegment:
     """The segment on one state's centreline: arc lengths of its ends, and their distances from the pre-PCI ends.
 
-    An arc length may be below 0 or beyond the line's length if the lumen, from another image, covers only a part.
+    A lumen from another image may cover only a part of the segment. Then an arc length is below 0 or beyond the line.
     """
 
     line: Polyline
@@ -77,11 +77,11 @@ def map_segment(segment, line, diameter_mm, may_end_within=False):
     """The StateSegment of `segment` on a state's centreline `line`: each end moves to the nearest point of the line.
 
     diameter_mm: the vessel's diameters (2,) at the two ends before the procedure.
-    may_end_within: the line comes from another image of the vessel and may end within the segment. Then the missing
-    length is measured on the pre-PCI axis, from the line's end to the segment's end.
+    may_end_within: whether the line may end within the segment, since it comes from another image. If it does, the
+    missing length is measured on the pre-PCI axis, from the line's end to the segment's end.
 
-    Raises ComputationError if an end is further from the line than the vessel's diameter, so that it is off the vessel.
-    Also raises it if the length changes by half or more, so that it is not the same piece of the vessel.
+    Raises ComputationError if an end is further from the line than the vessel's diameter: then it is off the vessel.
+    Also raises it if the length changes by half or more: then it is another piece of the vessel.
     """
     start, start_shift = line.project(segment.proximal_mm)
     end, end_shift = line.project(segment.distal_mm)

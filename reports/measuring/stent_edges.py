@@ -10,17 +10,17 @@ from reports.inputs.polyline import nearest_places, read_branches
 from reports.inputs.reading import entry, read_array, read_polydata
 from reports.inputs.surface import read_device
 
-# OCT studies look for edge dissections in the segments of 5 mm proximal and distal to the stent (Radu et al.,
-# EuroIntervention 2014; 9: 1085-1094; abstract read).
+# OCT studies look for edge dissections within 5 mm proximal and distal to the stent (Radu et al., EuroIntervention
+# 2014; 9: 1085-1094; only the abstract was read).
 EDGE_SEGMENT_MM = 5.0
-# Stretch at which strips of human artery tear: 1.50 +- 0.22 in mean and standard deviation, alike in media, adventitia
-# and the whole wall, along and around the vessel (Teng et al., J Biomech 2009; 42: 2535-2539; abstract read;
-# atherosclerotic carotid arteries). In coronary arteries it is alike in all layers too (Holzapfel et al., Am J Physiol
-# Heart Circ Physiol 2005; 289: H2048-H2058; abstract read). Quoted from memory of that paper, not confirmed: 1.55 to
-# 1.87 in the mean, least in the intima. The lower figure is taken, so that the hint comes early.
-# The tests count from the unloaded strip, but `wall_stretch` counts from the lumen before PCI, under blood pressure.
-# Diseased coronary arteries stretch by 1 to 10 % up to 250 kPa (Kural et al., J Biomech 2012; 45: 790-798; abstract
-# read), so at most a tenth is left out.
+# Stretch at which strips of human artery tear. Of all papers here only the abstract was read. Atherosclerotic carotid
+# arteries tear at 1.50 +- 0.22 (mean, standard deviation). Media, adventitia and whole wall are alike, along and around
+# the vessel (Teng et al., J Biomech 2009; 42: 2535-2539). In coronary arteries the layers are alike too (Holzapfel et
+# al., Am J Physiol Heart Circ Physiol 2005; 289: H2048-H2058). Their means, 1.55 (intima) to 1.87, are quoted from
+# memory and not confirmed. The lower figure, 1.5, is taken, so that the hint comes early.
+# The tests count stretch from the unloaded strip. `wall_stretch` counts it from the lumen before PCI, under blood
+# pressure, and so misses at most a tenth: diseased coronary arteries stretch by 1 to 10 % up to 250 kPa (Kural et al.,
+# J Biomech 2012; 45: 790-798).
 RUPTURE_STRETCH = 1.5
 ENDS = ("proximal", "distal")
 
@@ -28,12 +28,12 @@ ENDS = ("proximal", "distal")
 def stent_edges(files, stents):
     """Rows {stent, device, branch, end, largest_stretch, beyond_limit} of every edge of the deployed stents.
 
-    stents: the entry `stents` of deployment.json. stent: number from 1 in its order. end: one of ENDS. branch: the
-    vessel's branch at the edge. largest_stretch: the wall's largest principal stretch within EDGE_SEGMENT_MM outside
-    the edge, where no stent is; of the final state. An edge without such wall is left out: it lies in another stent.
+    stents: the entry `stents` of deployment.json. stent: the stent's number in that order, from 1. end: one of ENDS.
+    branch: the vessel's branch at the edge. largest_stretch: the largest principal stretch of the wall in the final
+    state, within EDGE_SEGMENT_MM outside the edge and where no stent is. An edge within another stent is left out.
 
     Raises InputError if a file or array is missing, if there are more or fewer surfaces than stents, or if a surface
-    has no two open ends.
+    does not have two open ends.
     """
     paths = files.stent_files()
     if len(paths) != len(stents):
@@ -63,21 +63,21 @@ def stent_edges(files, stents):
 
 
 def spans_by_branch(branches, s_mm):
-    """{branch: (first, last)} in mm of a stent whose points lie at `branches` and `s_mm` (n,)."""
+    """{branch: (first, last)}: the arc lengths in mm that a stent covers. branches, s_mm (n,): places of its points."""
     found = {branch: s_mm[branches == branch] for branch in np.unique(branches)}
     return {branch: (own.min(), own.max()) for branch, own in found.items()}
 
 
 def within(spans, branches, s_mm):
-    """Whether the places `branches` and `s_mm`, one or (n,), lie between the ends of a stent with these spans."""
+    """Whether places lie within a stent. branches, s_mm: one place or (n,). spans: result of spans_by_branch."""
     return np.any([(branches == branch) & (first < s_mm) & (s_mm < last) for branch, (first, last) in spans.items()], 0)
 
 
 def end_places(lines, surface, path, branch):
-    """[(branch, s_mm)] of a stent's proximal and its distal edge, each at the middle of its open loop.
+    """[(branch, s_mm)] of a stent's proximal and distal edge. Each is the place of the middle of an open loop.
 
-    surface: the stent's surface, open at both ends; path: its file, for messages. branch: where the stent was placed;
-    its proximal end may lie in the parent vessel. Raises InputError if the surface has no two open ends.
+    surface: the stent's surface; path: its file, for messages. branch: the branch in which the stent was placed. The
+    proximal end may lie in the parent vessel instead. Raises InputError if the surface does not have two open ends.
     """
     loops = open_loops(surface)
     if len(loops) != len(ENDS):
@@ -87,7 +87,7 @@ def end_places(lines, surface, path, branch):
 
 
 def open_loops(surface):
-    """Arrays of the vertices of each connected open edge of a Surface."""
+    """[vertex numbers] of each open loop of a Surface: connected sides of triangles that only one triangle has."""
     triangles = surface.triangles
     sides = np.sort(np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     sides, uses = np.unique(sides, axis=0, return_counts=True)

@@ -1,4 +1,4 @@
-"""The tables of agreement for the page, with its names, digits and units, by group of patients."""
+"""The rows of agreement, nearer and contrast by group of patients, with the names, digits and units of the page."""
 
 from reports.page.digits import MOST_DIGITS, decimals
 from reports.study.contrast import AREA_PROFILE
@@ -13,7 +13,7 @@ QUANTITY_NAMES = {
 CONTRAST_NAMES = QUANTITY_NAMES | {AREA_PROFILE: "CSA along the stent, rms"}
 QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}  # least number of decimals
 UNITS = {"1": "", "mm2": "mm²", "1/mm": "/mm"}
-# prediction -> {error that depends on the segmentation of CT: the comparison that shows it}
+# prediction -> {error that depends on how the CT is segmented: comparison in agreement.csv that shows it}
 SEGMENTATION_COMPARISONS = {
     "vci": {"imaging_before": "ct_vci_minus_vci", "imaging_after": "ct_minus_reference", "clinical": "ct_vci_minus_ct"},
     "rc": {"imaging_before": "ct_rc_minus_rc", "imaging_after": "ct_minus_reference", "clinical": "ct_rc_minus_ct"},
@@ -21,9 +21,9 @@ SEGMENTATION_COMPARISONS = {
 
 
 def agreement_groups(agreement, nearer, half_maximum):
-    """[{name, rows, nearer, segmentations}] of the groups of patients with rows in agreement.csv.
+    """[{name, rows, nearer, segmentations}] for each group of patients that has rows in agreement.csv.
 
-    agreement, nearer, half_maximum: rows of the CSV tables of these names. segmentations: see `segmentation_rows`.
+    agreement, nearer, half_maximum: rows of the tables of these names. segmentations: result of `segmentation_rows`.
     """
     found = []
     for name in GROUPS:
@@ -41,9 +41,9 @@ def agreement_groups(agreement, nearer, half_maximum):
 def segmentation_rows(rows, others):
     """Errors by two segmentations of the CT: [{prediction, name, unit, method, errors {error: (own, other)}}].
 
-    rows: agreement of one group of patients by the study's own segmentation. others: the same by the segmentation at
-    half maximum; without it the list is empty. own, other and method are such rows or None. method does not depend on
-    the CT.
+    rows, others: rows of one group of patients, by the study's own segmentation and at half maximum. The list is empty
+    if there are no others. own, other: the row of an error by each segmentation, or None. method: the row of the error
+    `method`, which does not depend on the CT.
     """
     own, other = ({(row["quantity"], row["comparison"]): row for row in table} for table in (rows, others))
     found = []
@@ -75,9 +75,10 @@ def agreement_rows(rows):
 
 
 def row_digits(row):
-    """Number of decimals of a row of agreement.csv: that of its quantity, or more for a small bias or sd.
+    """Number of decimals for bias and sd of a row of agreement.csv.
 
-    The larger number shows at least two significant digits of each, within MOST_DIGITS.
+    It is the usual number of the quantity. If that shows less than two significant digits of bias or sd, it is larger,
+    but at most MOST_DIGITS.
     """
     shown = [decimals(row[key], 2) for key in ("bias", "sd") if row[key]]
     return max(QUANTITY_DIGITS[row["quantity"]], min(MOST_DIGITS, max(shown, default=0)))

@@ -5,7 +5,7 @@ import csv
 from common.errors import InputError
 from reports.page.sources import benchmark_source
 
-# folder of a benchmark: its title, and a text that says what a row is
+# folder of a benchmark: (its title, a text that says what a row of its table is)
 TITLES = {
     "deployment_speed": (
         "Deployment: speed against error",
@@ -101,8 +101,8 @@ TITLES = {
         "A row is a constant changed by a factor: mean area of three stented slices, or curvature of the stented axis.",
     ),
 }
-# Benchmarks by which a reader judges the study: {name: cost}. Where one has no result the page says how to get it. The
-# first cost is estimated from its 33 deployments and 24 finite-element runs; the others are those of the tables in
+# Benchmarks by which a reader judges the study: {name: cost}. If one was not run, the page says how to run it. The
+# first cost is estimated from its 33 deployments and 24 finite-element runs. The others come from the tables in
 # flow/measured.md and data_synthetic/measured.md.
 COSTS = {
     "deployment_against_published": "some 15 minutes of processor time",
@@ -130,10 +130,10 @@ def read_benchmarks(folder, report):
     """[{name, title, text, tables, figures, cost}] of benchmarks in the order of TITLES, other names last.
 
     These are the benchmarks in `folder` that were run, and those of COSTS. A benchmark of COSTS that was not run has
-    no tables. Tables and figures are taken into the ReportFolder `report`. A figure is {picture, source}; sources are
-    those of `benchmark_source`. A table is {name, columns, rows, source}, with texts as in the CSV and long numbers cut
-    to four digits. A column is {heading, text}, where `text` tells whether it holds words. Columns without a value are
-    left out. Raises InputError for a table without a header.
+    no tables. Tables and figures are copied into the ReportFolder `report`. A figure is {picture, source}, a table is
+    {name, columns, rows, source}. source: result of `benchmark_source`. rows: the texts of the CSV, with long numbers
+    rounded to four digits. A column is {heading, text}, where `text` tells whether it holds words. Columns without a
+    value are left out. Raises InputError for a table without a header.
     """
     entries = folder.iterdir() if folder is not None and folder.is_dir() else ()
     found = {entry.name: entry for entry in entries if entry.is_dir() and any(entry.glob("*.csv"))}
@@ -152,7 +152,7 @@ def read_benchmarks(folder, report):
 
 
 def taken_in(folder, report):
-    """{tables, figures} of a benchmark's folder, as `read_benchmarks` has them."""
+    """{tables, figures} of a benchmark's folder, in the form that `read_benchmarks` describes."""
     tables, figures = [], []
     for path in sorted(folder.glob("*.csv")):
         data = f"{folder.name}_{path.name}"
@@ -166,7 +166,7 @@ def taken_in(folder, report):
 
 
 def figure_files(folder):
-    """The figures of a benchmark, as SVG if there is one, else as PNG."""
+    """The files of a benchmark's figures: the SVG of each, or the PNG if there is no SVG."""
     vector = sorted(folder.glob("*.svg"))
     return vector + [path for path in sorted(folder.glob("*.png")) if path.with_suffix(".svg") not in vector]
 

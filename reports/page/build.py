@@ -1,4 +1,4 @@
-"""Builds the report from the study's files and jinja2 templates: an index, a page for each case, one of benchmarks."""
+"""Builds the report from the study's files and jinja2 templates: index, a page for each case, a page of benchmarks."""
 
 import json
 import pathlib
@@ -30,7 +30,7 @@ from reports.whatif.tables import records
 
 TABLES = ("agreement", "contrast", "differences", "half_maximum", "nearer", "patients", "seconds", "timings")
 LOW_MARK = "▼"  # marks an FFR after PCI below reports.selection.patients.LOW_FFR_AFTER
-NARROW_FOR_VOXELS = "occluded_by_voxels"  # code of the warning
+NARROW_FOR_VOXELS = "occluded_by_voxels"  # code of the warning that a throat is too narrow for the voxels
 
 
 def build_report(
@@ -48,8 +48,8 @@ def build_report(
 ):
     """Writes the report of the CaseFiles `cases` into the folder `out`. Raises InputError if a file is missing.
 
-    failed: failed.json (workflow.failed), of cases that have no result, or None. three: file of three.js, the library
-    of the 3D viewer.
+    failed: failed.json (workflow.failed) with the cases that have no result, or None. three: file of three.js, the
+    library of the 3D viewer.
     """
     failed_steps = read_failed(failed)
     with report_folder(out) as folder:
@@ -74,7 +74,7 @@ def build_report(
 
 
 class Pages:
-    """Writes the pages into a ReportFolder. contexts: case_context of each case. selection: see sources.selection."""
+    """Writes the pages into a ReportFolder. contexts: case_context of each case. selection: from sources.selection."""
 
     def __init__(self, folder, contexts, benchmarks, selection):
         self.folder, self.contexts, self.benchmarks, self.selection = folder, contexts, benchmarks, selection
@@ -87,7 +87,7 @@ class Pages:
         }
 
     def write_index(self, **context):
-        """Writes the first page. context: what its templates need besides the cases."""
+        """Writes the first page. context: what its templates need beside the cases."""
         self._write(INDEX, "index.html.j2", index="", cases=self.contexts, **context)
 
     def write_cases(self, timings):
@@ -104,7 +104,7 @@ class Pages:
         self._write(BENCHMARKS, "benchmarks_page.html.j2", on_benchmarks=True, benchmarks=self.benchmarks)
 
     def _write(self, name, template, case=None, **context):
-        """Renders a page. name: its path below the folder, from which the way back to it follows."""
+        """Renders and writes a page. name: its path below the folder. `root` leads from the page back to the folder."""
         root, of_source = "../" * name.count("/"), self.environment.get_template("source.html.j2")
 
         def source_line(source):
@@ -119,7 +119,7 @@ class Pages:
 
 
 def study_context(study_dir, figures_dir, folder, contexts, failed):
-    """What the index shows of the study's tables and figures. contexts: case_context of each case.
+    """What the index shows from the study's tables and figures. contexts: case_context of each case.
 
     failed: entries of failed.json.
     """
@@ -169,7 +169,8 @@ def provenance_summary(path):
 def environment():
     """The jinja2 environment: undefined names raise, HTML is escaped.
 
-    A template that is rendered outside a report has no files to name: `root` and the lines on sources are empty there.
+    Tests render single templates, outside a report. There are no files to name then, so `root` and the lines on sources
+    are empty.
     """
     env = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATE_FOLDER),
@@ -184,7 +185,7 @@ def environment():
 
 
 def script_json(document):
-    """A document as JSON that can stand inside <script>."""
+    """A document as JSON for a <script> element, which must not hold "</"."""
     return json.dumps(document, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
 
 
@@ -235,7 +236,7 @@ def imaging_warnings(contexts):
 
 
 def lumen_warnings(contexts):
-    """Rows {case, state, message} of the warnings in the anatomies of given lumens."""
+    """Rows {case, state, message} of the warnings on the lumens that the cases give."""
     return [
         {"case": c["name"], "state": state, "message": message}
         for c in contexts
@@ -254,5 +255,5 @@ def plan_remarks(contexts):
 
 
 def mean_sd(values):
-    """(mean, sample standard deviation or None) of a list of numbers; (None, None) of none."""
+    """(mean, sample standard deviation or None) of a list of numbers; (None, None) for an empty list."""
     return (sum(values) / len(values), sample_sd(values)) if values else (None, None)

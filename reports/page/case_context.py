@@ -31,7 +31,7 @@ READOUTS = (
 
 
 def case_context(files, figures_dir, folder):
-    """The context of templates/case.html.j2. Takes the pictures into the ReportFolder `folder`.
+    """The context of templates/case.html.j2. Copies the pictures into the ReportFolder `folder`.
 
     Raises InputError for a missing figure or file.
     """
@@ -108,7 +108,7 @@ def edge_warnings(edges):
 
 
 def flow_ranges(flow):
-    """Rows {state, ffr, low, high, at} of FFR over plausible flows, for the states that have such a range."""
+    """Rows {state, ffr, low, high, at}: the range of FFR over plausible flows, for the states that have one."""
     return [
         {"state": state, "ffr": row["solution"]["ffr"], **row["solution"]["ffr_range"]}
         for state, row in flow.items()
@@ -164,5 +164,5 @@ def optional_json(path):
 
 
 def as_text(value):
-    """A value of free form from a JSON file, in words."""
+    """A value from a JSON file as text, whatever its type."""
     return value if isinstance(value, str) else json.dumps(value)

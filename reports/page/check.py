@@ -1,6 +1,6 @@
 """Opens each page of a report in headless Chromium. Refuses console errors, and references that lead nowhere or out.
 
-A figure or table must be followed by a line that names its data and how it was made.
+It also refuses a figure or table without a line below it that names its data and how it was made.
 """
 
 import html.parser
@@ -49,16 +49,16 @@ REFERENCES = {
     "manifest",
 }
 STYLE_REFERENCE = re.compile(r"url\(\s*['\"]?(?!data:|#)([^'\")]+)|@import\s+([^;]+)", re.IGNORECASE)
-SOURCED = ("figure", "table")  # elements that a line of class SOURCE_CLASS follows
+SOURCED = ("figure", "table")  # elements that need a line of class SOURCE_CLASS below them
 SOURCE_CLASS = "source"
-MOST_NAMED = 5  # problems that a message names
+MOST_NAMED = 5  # largest number of problems that a message names
 
 
 class Page(html.parser.HTMLParser):
     """What an HTML text refers to, and what it lacks.
 
     references: values of the attributes REFERENCES, without data: URIs. styles: references within styles. ids: ids of
-    its elements. unsourced: figures and tables that no line on their data follows. policy: its content security policy.
+    its elements. unsourced: figures and tables without a line on their data. policy: its content security policy.
     """
 
     def __init__(self, text):
@@ -101,10 +101,10 @@ def style_references(text):
 
 
 def read_pages(index):
-    """{path: Page} of a report's index and of all pages that it leads to. Raises InputError with what is wrong.
+    """{path: Page} of a report's index and of all pages that it leads to. Raises InputError, which lists what is wrong.
 
-    That is a reference to a file that is not there or not in the report's folder, to a place that a page does not have,
-    a page that may fetch, and a figure or table without its line.
+    Wrong are: a reference to a file that is missing or outside the report's folder; a reference to a place that a page
+    does not have; a page whose policy lets it fetch files; a figure or table without a line on its data.
     """
     index = require_file(index, "reports report").resolve()
     pages, waiting, problems = {}, [index], []
@@ -137,7 +137,7 @@ def read_pages(index):
 
 
 def resolve(reference, page, folder):
-    """(file, problem) that a reference of a page means; problem is None if it is a file in the report's folder."""
+    """(file, problem) for a reference of a page; problem is None if the file is in the report's folder."""
     parts = urllib.parse.urlsplit(reference)
     if parts.scheme or parts.netloc or parts.path.startswith("/"):
         return None, "leads out of the report's folder"
@@ -148,7 +148,7 @@ def resolve(reference, page, folder):
 
 
 def place_ids(reference, page, folder, pages):
-    """The ids of the page to which a reference leads; empty if it is none of `pages`."""
+    """The ids of the page to which a reference leads; empty if it leads to none of `pages`."""
     target, _ = resolve(reference, page, folder)
     return pages[target].ids if target in pages else set()
 

@@ -1,4 +1,4 @@
-"""The CSV files behind the report's tables and figures: the study's as they are, a case's made from its files."""
+"""The CSV files behind the report's tables and figures: copies of the study's tables, and tables made for each case."""
 
 import pandas as pd
 
@@ -8,7 +8,7 @@ from reports.study.tables import WRITTEN_BY
 from reports.whatif.tables import SOURCES, read_intervals, read_sensitivity
 
 DIFFERENCE_COLUMNS = {"area_mm2": "area_{}_mm2", "curvature_per_mm": "curvature_{}_per_mm", "ffr": "ffr_{}"}
-# column of the file on blood flow: key of ffr.json
+# column of <case>_flow.csv: key of ffr.json
 FLOW_COLUMNS = {
     "status": "status",
     "model": "model",
@@ -60,7 +60,7 @@ def write_case_data(folder, files, context):
 
 
 def state_rows(metrics):
-    """A row a state: FFR, areas and curvature over the segment, and FFR at a wire's sensor beside the measured one."""
+    """A row for each state: FFR, areas and curvature over the segment; FFR computed and measured at a wire's sensor."""
     rows = []
     for state, entry in metrics["states"].items():
         ffr, wire = entry["ffr"] or {}, wire_pair(metrics, state) or (None, None)
@@ -81,7 +81,7 @@ def state_rows(metrics):
 
 
 def difference_rows(metrics):
-    """A row a comparison of two states: of FFR past the lesion, and bias, sd and rmse over the stations."""
+    """A row for each comparison: difference of FFR past the lesion; bias, sd and rmse over the stations."""
     return pd.DataFrame(
         {
             "comparison": comparison,
@@ -97,7 +97,7 @@ def difference_rows(metrics):
 
 
 def profile_table(metrics):
-    """A row a state and station: relative position, arc length (mm), area (mm2), curvature (1/mm), FFR."""
+    """A row for each state and station: relative position, arc length (mm), area (mm2), curvature (1/mm), FFR."""
     return pd.concat(
         pd.DataFrame(
             {
@@ -114,14 +114,14 @@ def profile_table(metrics):
 
 
 def pullback_table(files, states):
-    """pullback.csv of each state, one below the other, with the state as the first column."""
+    """The pullback.csv of all states, one below the other, with the state as the first column."""
     paths = {state: require_file(files.flow(state) / "pullback.csv", "flow solve") for state in states}
     tables = {state: pd.read_csv(path) for state, path in paths.items()}
     return pd.concat(tables, names=["state"]).reset_index("state") if tables else pd.DataFrame()
 
 
 def flow_rows(flow):
-    """A row a state: FFR by the solver and by the reduced model, the size of the problem, how it was solved."""
+    """A row for each state: FFR by the solver and by the reduced model, size of the problem, how it was solved."""
     return pd.DataFrame(
         {
             "state": state,
@@ -135,7 +135,7 @@ def flow_rows(flow):
 
 
 def probe_rows(probes):
-    """A row a probe and state: place on its branch, and FFR."""
+    """A row for each probe and state: place on its branch, and FFR."""
     return pd.DataFrame(
         {"probe": probe["name"], "branch": probe["branch"], "s_mm": probe["s_mm"], "state": state, "ffr": ffr}
         for probe in probes
@@ -144,7 +144,7 @@ def probe_rows(probes):
 
 
 def sensitivity_tables(case_folder):
-    """{sensitivity, intervals} of the inputs that were varied, with the column `source`; empty if none were."""
+    """{sensitivity, intervals}: DataFrames on the inputs that were varied, with the column `source`; {} if none was."""
     if not any((case_folder / "sensitivity" / f"{source}.csv").is_file() for source in SOURCES):
         return {}
     intervals = [table for table in read_intervals(case_folder).values() if len(table)]

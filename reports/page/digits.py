@@ -1,4 +1,4 @@
-"""How numbers and labels are shown: filters of the templates, and the number of decimals."""
+"""How the page writes numbers and labels: filters for the templates, and the number of decimals."""
 
 import math
 

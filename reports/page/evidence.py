@@ -22,9 +22,9 @@ VALIDATION = ("validation against benches", "validation against patients")
 
 
 def evidence_context(junit, benchmarks):
-    """{claims, rows, days}: the claims as claim_row, the rows of all tests by group, and the days of the last test run.
+    """{claims, rows, days}: results of claim_row, of evidence_rows and of days_of_tests.
 
-    junit: files of test results. benchmarks: entries of read_benchmarks. Raises InputError for a file that cannot be
+    junit: files of test results. benchmarks: result of read_benchmarks. Raises InputError for a file that cannot be
     read.
     """
     results = read_test_results(junit)
@@ -43,10 +43,11 @@ def read_claims():
 
 
 def claim_row(claim, outcomes, shown):
-    """A claim with the counts of its tests (OUTCOMES), in all and as `tests` [{entry, passed, failed, not_run}].
+    """A claim with the number of its tests by outcome (OUTCOMES): in all, and for each of its entries in `tests`.
 
-    outcomes: result of outcomes_by_test. shown: names of the benchmarks whose tables the report has; `benchmarks`
-    becomes [{name, title, shown}]. `validated`: whether it was compared with benches or patients.
+    `tests` becomes [{entry, passed, failed, not_run}], `benchmarks` becomes [{name, title, shown}]. `validated` says
+    whether the claim was compared with benches or patients. outcomes: result of outcomes_by_test. shown: names of the
+    benchmarks whose tables the report has.
     """
     tests = [{"entry": entry, **count_outcomes(entry, outcomes)} for entry in claim["tests"]]
     return {
@@ -61,10 +62,10 @@ def claim_row(claim, outcomes, shown):
 
 
 def count_outcomes(entry, outcomes):
-    """{passed, failed, not_run}: test cases of a claim's entry, a file or file::function.
+    """{passed, failed, not_run}: number of test cases of a claim's entry, which is a file or file::function.
 
-    A test without any result counts once as not run, since a run may leave out slow tests; so does an entry that names
-    no test.
+    A test without any result counts once as not run, since a run may leave out slow tests. An entry that names no test
+    counts once as not run, too.
     """
     cases = [outcome for test in named_tests(entry) or [entry] for outcome in outcomes.get(test, ["skipped"])]
     counts = {outcome: cases.count(outcome) for outcome in ("passed", "failed", "skipped")}
@@ -72,9 +73,9 @@ def count_outcomes(entry, outcomes):
 
 
 def named_tests(entry):
-    """Identifiers of the tests that an entry of claims.yaml names; empty if there are none such.
+    """Identifiers (as in outcomes_by_test) of the tests that an entry of claims.yaml names; empty if none exists.
 
-    They are as those of outcomes_by_test. They come from the tests' sources, since results lack what was left out.
+    They are read from the tests' sources, since the results lack tests that were left out.
     """
     name, _, function = entry.partition("::")
     file = pathlib.PurePath(name)
@@ -86,7 +87,7 @@ def named_tests(entry):
 
 
 def outcomes_by_test(results):
-    """{identifier: outcomes of the test's cases}: group and name, without the parameters of pytest and GoogleTest."""
+    """{identifier: outcomes of the test's cases}. identifier: group.name, without the parameters of a test."""
     found = {}
     for result in results:
         name = result["name"].split("[")[0].rpartition(".")[2].split("/")[0]
@@ -125,14 +126,14 @@ def read_junit(path):
 
 
 def days_of_tests(paths):
-    """The days on which the runs of JUnit files began, such as ["27 November 2026"], in order. A file may say none."""
+    """The days on which the test runs in JUnit files began, such as ["27 November 2026"]. A file may name no day."""
     stamps = {suite.get("timestamp", "")[:10] for path in paths for suite in read_junit(path).iter("testsuite")}
     days = sorted(datetime.date.fromisoformat(stamp) for stamp in stamps if stamp)
     return [f"{day.day} {day:%B %Y}" for day in days]
 
 
 def test_group(case):
-    """The test's group: the class of a <testcase>. CTest writes the full name as class, so its last word is cut off."""
+    """The test's group: the class of a <testcase>. CTest writes the full name there, so the last word is cut off."""
     group, name = case.get("classname", ""), case.get("name", "")
     return name.rpartition(".")[0] if group == name else group
 

@@ -17,15 +17,16 @@ from reports.inputs.reading import require_file
 
 TEMPLATE_FOLDER = pathlib.Path(__file__).with_name("templates")
 THREE_FOLDER = pathlib.Path(__file__).with_name("three")
-WEBP = {"format": "WEBP", "quality": 90, "method": 6}  # a fifth of the PNG file's bytes, no difference to be seen
+WEBP = {"format": "WEBP", "quality": 90, "method": 6}  # a fifth of the bytes of the PNG, and no visible difference
 SCRIPTS = ("viewer.js", "stage.js", "page.js")
 INDEX, BENCHMARKS = "index.html", "benchmarks.html"
-# What an earlier report may have left. The index goes first and comes last: where it stands, all else does.
+# The entries of a report. A new report first removes the old index and writes its own index last. So wherever there is
+# an index, the report is complete.
 OWN_ENTRIES = ("assets", "cases", "data", "figures", BENCHMARKS, INDEX)
 
 
 class ReportFolder:
-    """The report's files below `path`. Their names, as methods return them, are relative to it.
+    """The report's files below `path`. Methods take and return their names relative to it.
 
     data_names: the files of data/ written so far.
     """
@@ -39,10 +40,10 @@ class ReportFolder:
             partial.write_text(text)
 
     def picture(self, path, name=""):
-        """Takes in an SVG file, or a PNG file as WebP, and returns its name below the folder.
+        """Copies an SVG file, or a PNG file as WebP, into the folder and returns its name there.
 
-        name: without suffix, that of the file if empty. Raises InputError for a missing picture, one that cannot be
-        read, and a second one of the same name.
+        name: the new name without suffix; by default the file keeps its name. Raises InputError for a picture that is
+        missing or cannot be read, and for a second picture of the same name.
         """
         path, suffix = require_file(path, "reports figures"), {".png": ".webp"}.get(path.suffix, path.suffix)
         target = f"figures/{name or path.stem}{suffix}"
@@ -56,7 +57,7 @@ class ReportFolder:
         return target
 
     def optional_picture(self, path, name=""):
-        """As `picture`; None if there is no such file."""
+        """Like `picture`, but returns None if there is no such file."""
         return self.picture(path, name) if path.exists() else None
 
     def copy_data(self, path, made_by, name=""):
@@ -67,13 +68,13 @@ class ReportFolder:
         self.data_names.add(name)
 
     def write_data(self, name, table):
-        """Writes a DataFrame into data/ as CSV; one without rows is left out."""
+        """Writes a DataFrame into data/ as CSV, unless it has no rows."""
         if len(table):
             write_table(self.path / "data" / name, table)
             self.data_names.add(name)
 
     def write_assets(self, three):
-        """Writes what the pages share: the style with the states' colours, three.js (file `three`), the scripts."""
+        """Writes what the pages share: style with the states' colours, three.js (file `three`), and scripts."""
         colours = " ".join(f"--{state}: {colour};" for state, colour in COLOURS.items())
         self.write("assets/style.css", f"{(TEMPLATE_FOLDER / 'style.css').read_text()}:root {{ {colours} }}\n")
         self.write("assets/three.min.js", three_script(three))
@@ -83,7 +84,7 @@ class ReportFolder:
 
 @contextlib.contextmanager
 def report_folder(path):
-    """Yields a ReportFolder under a temporary name. Its files replace an earlier report's if the block succeeds.
+    """Yields a ReportFolder under a temporary name. If the block succeeds, its files replace an earlier report.
 
     Files in `path` that no report writes stay. Raises InputError if the folder cannot be made.
     """

@@ -21,27 +21,26 @@ from reports.measuring.stent_edges import RUPTURE_STRETCH
 from reports.page.verdict.warnings import LARGEST_MALAPPOSITION_MM
 
 MOST_TRIANGLES = 12000
-QUANTISATION_STEPS = 65535  # quantisation steps over the range of a coordinate or value: 1 um over 65 mm
-NO_VALUE = QUANTISATION_STEPS  # stands for nan; the values themselves end one step below
+QUANTISATION_STEPS = 65535  # steps over the range of a coordinate or value: a step is 1 um for a vessel of 65 mm
+NO_VALUE = QUANTISATION_STEPS  # the step that stands for nan; values take only the steps below it
 COLOUR_STEPS = 32  # steps of a colour table
-# Fixed ends of the colours, so that patients can be compared. The limit is in the middle, and beyond it the colours are
-# warm. Stretch: 1 is the wall before PCI. Gap between stent and wall: in mm; the limit is that from which acute
-# malapposition is corrected (Räber et al., Eur Heart J 2018; 39: 3281-3300).
+# The colours of these values have fixed ends, so that patients can be compared. The limit is in the middle; beyond it
+# the colours are warm. Stretch is 1 for the wall before PCI. Gap is the distance in mm between stent and wall. From its
+# limit on, acute malapposition is corrected (Räber et al., Eur Heart J 2018; 39: 3281-3300).
 SCALES = {
     "stretch": {"low": 1.0, "high": 2 * RUPTURE_STRETCH - 1.0, "limit": RUPTURE_STRETCH},
     "gap": {"low": 0.0, "high": 2 * LARGEST_MALAPPOSITION_MM, "limit": LARGEST_MALAPPOSITION_MM},
 }
-TOUCHING_MM = 0.1  # a wall point with gap 0 this near to a stent touches it; further off no stent faces it
+TOUCHING_MM = 0.1  # a wall point with gap 0 touches a stent if it is this near to one; otherwise no stent faces it
 SECTION_COLUMNS = ("s_mm", "x_mm", "y_mm", "z_mm", "area_mm2", "equivalent_diameter_mm")
 
 
 def viewer_data(files, metrics):
     """The content of a case's 3D viewer, as a JSON-ready document.
 
-    `bounds` and `view` (rows: the axes of the first view) are common to all states. A state has points and triangles.
-    Each point has the diameter (mm), the area (mm2) and, if the state has a flow, the FFR at the nearest place of an
-    axis. State `vci` also has the devices and the wall_values. `ranges` are the ends of each quantised value; `scales`
-    are the fixed ends and limits of its colours, where it has such.
+    `bounds` and `view` (rows: the axes of the first view) are common to all states. A state has points and triangles,
+    with the `values_at_points`. `devices` are the stents of the state `vci`. `ranges` has the smallest and largest of
+    each value. `scales` has the fixed ends and the limit of a value's colours, for values in SCALES.
     """
     states = states_in_3d(metrics["states"])
     lumens = {state: order_for_compression(read_lumen(files.lumen(state), MOST_TRIANGLES)) for state in states}
@@ -76,7 +75,7 @@ def viewer_data(files, metrics):
 def values_at_points(files, state, points):
     """Values (n,) of a state at points (n, 3): diameter (mm), area (mm2), FFR with a flow, wall_values of `vci`.
 
-    All but the last are of the nearest place on any axis.
+    The wall_values come from the nearest point of the wall, all others from the nearest section or pull-back point.
     """
     table = read_table(files.anatomy(state) / "sections.csv", SECTION_COLUMNS, ("branch",), "anatomy")
     _, nearest = cKDTree(table[["x_mm", "y_mm", "z_mm"]].to_numpy()).query(points)
@@ -89,10 +88,10 @@ def values_at_points(files, state, points):
 
 
 def wall_values(files, points):
-    """{stretch, gap} of the lumen after virtual PCI at the nearest of its points to each of points (n, 3).
+    """{stretch, gap} of the wall after virtual PCI, at the wall's points nearest to points (n, 3).
 
-    stretch (n,): the wall's largest principal stretch, nan where the wall was held. gap (n,): distance in mm from the
-    wall to the stent, nan where no stent faces the wall. A quantity without any value is left out.
+    stretch (n,): the wall's largest principal stretch, nan where the wall was held fixed. gap (n,): distance in mm from
+    the wall to the stent, nan where no stent faces the wall. A quantity without any value is left out.
     """
     path = files.deployed_lumen
     lumen = read_polydata(path, "vci deploy")
@@ -119,9 +118,10 @@ def distance_to_stents(files, points):
 
 
 def order_for_compression(surface):
-    """The same Surface with vertices and triangles in an order that compresses well: neighbours stand close together.
+    """The same Surface, reordered so that neighbours stand close together, which compresses well.
 
-    Vertices are in reverse Cuthill-McKee order. A triangle starts at its vertex of lowest number, its orientation kept.
+    Vertices are in reverse Cuthill-McKee order. A triangle starts at its vertex of lowest number and keeps its
+    orientation.
     """
     ends = np.vstack([surface.triangles[:, [0, 1]], surface.triangles[:, [1, 2]], surface.triangles[:, [2, 0]]])
     count = len(surface.points)
@@ -138,8 +138,9 @@ def order_for_compression(surface):
 def pack_surface(surface, low, high):
     """{points, triangles, wide} of a Surface for the viewer. low, high (3,): the bounds of the coordinates in mm.
 
-    points: each coordinate in 16 bits, as the difference from the point before. triangles: first vertex as the
-    difference from that of the triangle before, the others as differences from the first. wide: 32-bit triangles.
+    points: each coordinate in 16 bits, as the difference from the point before. triangles: the first vertex as the
+    difference from the first vertex of the triangle before, the two others as differences from the first. wide: whether
+    the triangles have 32 bits, for many points.
     """
     first = surface.triangles[:, :1]
     wide = len(surface.points) > QUANTISATION_STEPS
@@ -166,7 +167,7 @@ def quantise(values, low, high):
 
 
 def quantise_values(values, low, high):
-    """As quantise, for values that may be nan: these become NO_VALUE, all others are less."""
+    """Like quantise, for values that may be nan: nan becomes NO_VALUE, all other steps are lower."""
     steps = np.minimum(quantise(np.nan_to_num(values, nan=low), low, high), NO_VALUE - 1)
     return np.where(np.isnan(values), NO_VALUE, steps).astype(np.uint16)
 
@@ -174,8 +175,8 @@ def quantise_values(values, low, high):
 def pack(values, kind=np.uint16):
     """Integers (n,) or (n, k), modulo the range of `kind`, as base64 of a zlib stream.
 
-    The stream holds column after column; of each, the lowest bytes of all rows, then the next bytes. Neighbouring bytes
-    are alike then, so they compress well.
+    The stream holds one column after another. In a column the lowest bytes of all rows come first, then the next bytes.
+    So similar bytes are neighbours and compress well.
     """
     columns = np.asarray(values).reshape(len(values), -1).T
     wrapped = columns.astype(np.int64).astype(kind).astype(np.dtype(kind).newbyteorder("<"))

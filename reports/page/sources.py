@@ -1,4 +1,4 @@
-"""What stands under each figure and table of the report: its data, and the command that makes it again."""
+"""The line under each figure and table of the report: its data, and the command that makes it again."""
 
 import dataclasses
 import shlex
@@ -10,8 +10,8 @@ from common.errors import InputError
 class Source:
     """Where a figure or table comes from. `{case}` stands for a case's name.
 
-    target: the file to ask Snakemake for. data: files of the report's folder data/. note: what holds the data if no
-    CSV does, or who writes it if no rule does.
+    target: the file to ask Snakemake for. data: files of the report's folder data/. note: words on data that are not
+    CSV, or on a file that no rule writes.
     """
 
     target: str = ""
@@ -63,8 +63,8 @@ SOURCES = {
 def source_of(name, data_names, selection, case=""):
     """{data, command, note} of the figure or table `name`, a key of SOURCES, for the line under it.
 
-    data_names: the files of data/ that were written. selection: see `selection`. Raises InputError where none of the
-    files that should hold the data was written and no note says why.
+    data_names: the files of data/ that were written. selection: result of `selection`. Raises InputError if none of the
+    files that should hold the data was written and there is no note.
     """
     source = SOURCES[name]
     data = [one for one in (file.format(case=case) for file in source.data) if one in data_names]
@@ -78,19 +78,19 @@ def source_of(name, data_names, selection, case=""):
 
 
 def benchmark_source(path, data):
-    """{data, command, note} of a file of a benchmark, below results/benchmarks. data: as of `source_of`."""
+    """{data, command, note} of a benchmark's file, below results/benchmarks. data: names of its tables in data/."""
     return {"data": data, "command": command(f"results/benchmarks/{path.parent.name}/{path.name}", ""), "note": ""}
 
 
 def command(target, options):
-    """The command line that asks Snakemake for a file; empty without one."""
+    """The command line that asks Snakemake for the file `target`; empty if there is no target."""
     return f"snakemake -j2 {target} {options or ''}".strip() if target else ""
 
 
 def selection(cohort, cases, failed):
-    """Snakemake's options for the cases of this report, which files of the whole study depend on.
+    """Snakemake's options that choose the cases of this report. Files of the whole study depend on them.
 
-    cohort: its name, or empty for chosen `cases`. failed: path of failed.json, or None.
+    cohort: its name; if empty, the names `cases` are used. failed: path of failed.json, or None.
     """
     chosen = f"cohort={cohort}" if cohort else f"cases={' '.join(cases)}"
     return shlex.join(["--config", chosen, *([f"failed={failed}"] if failed else [])])

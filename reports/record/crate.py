@@ -1,4 +1,4 @@
-"""ro-crate-metadata.json: the folder of results as a research object, by RO-Crate 1.1."""
+"""ro-crate-metadata.json, which describes the folder of results as a research object (RO-Crate 1.1)."""
 
 import mimetypes
 
@@ -16,8 +16,8 @@ def crate(results, cases, citation, date, cohort):
     """The document of ro-crate-metadata.json. Raises InputError if a file is missing.
 
     results: the folder that the document describes. cases: names of the study's cases. citation: path of CITATION.cff.
-    date: date of the sources' git revision, in ISO 8601. Hashes of the cases' files are taken from provenance.json;
-    those of the other files are computed here.
+    date: date of the sources' git revision, in ISO 8601. Hashes of the cases' files are taken from provenance.json.
+    All other hashes are computed here.
     """
     metadata = yaml_reader.read(citation).data
     provenance = read_json(results / "study" / "provenance.json", "workflow provenance")
@@ -106,7 +106,7 @@ def study_files(results, cases):
 
 
 def report_files(folder):
-    """The files of the report, its index and report.json first; hidden ones are of a run that was killed."""
+    """The files of the report, index and report.json first. Hidden files are left out: a killed run left them."""
     first = [folder / "index.html", folder / "report.json"]
     files = [path for path in sorted(folder.rglob("*")) if path.is_file() and path not in first]
     return first + [path for path in files if not any(part[0] == "." for part in path.relative_to(folder).parts)]

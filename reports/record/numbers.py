@@ -1,4 +1,4 @@
-"""report.json: every number of the page's summary in one file, from the study's tables. Seconds are left out."""
+"""report.json: every number of the page's summary in one file, from the study's tables, without durations."""
 
 import pandas as pd
 
@@ -48,7 +48,7 @@ def report_numbers(case_files, study_dir, cohort, junit, failed=()):
 
 
 def rows_of_group(study_dir, name):
-    """The rows of cohort.csv whose cases are in a group of patients (`name`: INCLUDED or EXCLUDED)."""
+    """The rows of cohort.csv that belong to a group of patients (`name`: INCLUDED or EXCLUDED)."""
     cohort, patients = study_table(study_dir, "cohort"), study_table(study_dir, "patients")
     chosen = patients["case"][patients["included"].eq(True)]
     return cohort[cohort["case"].isin(chosen) == (name == INCLUDED)]
@@ -67,5 +67,5 @@ def state_means(cohort):
 
 
 def interval_rows(folder):
-    """The rows of the tables of a case's Latin hypercube samples, each with its `source`: flow or deployment."""
+    """The rows of a case's intervals, from Latin hypercube samples. `source`: what was varied, flow or deployment."""
     return [row for found in read_intervals(folder).values() for row in records(found)]

@@ -10,7 +10,7 @@ from reports.figures.style import save_figure
 FIGURE_SIZE = (8.2, 6.4)  # inches
 LINE_LETTERS = 60  # most letters in a line of case names
 BOX_WIDTH, LEFT_X, RIGHT_X = 0.46, 0.235, 0.765  # a box's width and both columns' middles, as shares of the figure
-# Heights of the boxes' middles.
+# y of the middles of the boxes, from 0 at the bottom of the figure to 1 at its top.
 COHORT_Y, INCLUDED_Y, EXCLUDED_Y, RESULTS_Y = 0.92, 0.46, (0.78, 0.63), (0.41, 0.24, 0.08)
 FRAME_HEIGHT, LINE_HEIGHT = 0.03, 0.031  # heights of a box's frame and of a line in it, as shares of the figure
 FILL_COLOUR, EDGE_COLOUR, EXCLUDED_COLOUR = "#eef4f9", "#0a3d62", "#f8f1ec"
@@ -40,7 +40,7 @@ def inclusion_figure(table, folder):
 
 
 def draw_box(axes, x, y, words, count, names, fill=FILL_COLOUR):
-    """Draws a box about (x, y) with words, the number of cases and their names. Returns its lower and upper y."""
+    """Draws a box round (x, y) with words, the number of cases and their names. Returns its lower and upper y."""
     lines = [words[:1].upper() + words[1:], f"n = {count}", *textwrap.wrap(names.replace(" ", ", "), LINE_LETTERS)[:3]]
     height = FRAME_HEIGHT + LINE_HEIGHT * len(lines)
     patch = FancyBboxPatch(
@@ -56,6 +56,6 @@ def draw_box(axes, x, y, words, count, names, fill=FILL_COLOUR):
 
 
 def draw_arrow(axes, start, end):
-    """An arrow from one point to another."""
+    """Draws an arrow from the point `start` to the point `end`, both (x, y)."""
     arrow_style = {"arrowstyle": "-|>", "color": EDGE_COLOUR, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", end, start, arrowprops=arrow_style)

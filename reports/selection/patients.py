@@ -1,4 +1,4 @@
-"""patients.csv, supplementary table 1: the patients on one page. inclusion.csv: who is included, step by step."""
+"""patients.csv: the patients, as in supplementary table 1 of Lyu et al. 2025. inclusion.csv: who is included."""
 
 import pandas as pd
 
@@ -8,8 +8,8 @@ from reports.measuring.pressure_wire import FFR_THRESHOLD
 from reports.study.cohort import describe_procedure
 from reports.study.inclusion import ffr_before, meets_criterion
 
-# Patients with FFR below 0.80 before PCI are included. Below 0.90 after it more adverse events were found (Rimac et
-# al., Am Heart J 2017;183:1-9, a meta-analysis of 7470 patients).
+# With an FFR below this after PCI, patients had more adverse events (Rimac et al., Am Heart J 2017;183:1-9, a
+# meta-analysis of 7470 patients).
 LOW_FFR_AFTER = 0.90
 COLUMNS = ["case", "artery", "branch", "stenosis_percent", "lesion_length_mm", "reference_diameter_mm", "lesions"]
 COLUMNS += [
@@ -27,14 +27,14 @@ STEP_COLUMNS = ["step", "count", "cases"]
 
 
 def patients_table(documents, cases):
-    """DataFrame of patients.csv from the metrics documents; cases: {name: content of its case file}."""
+    """DataFrame of patients.csv from the metrics documents. cases: {name: content of the case's file}."""
     return pd.DataFrame([patient_row(one, cases[one["case"]]) for one in documents], columns=COLUMNS)
 
 
 def patient_row(document, case):
     """One patient's row of patients.csv (dict). FFR is at the distal probe, past the lesion.
 
-    `ffr_after` is that of the first state of TRUE_STATES with an FFR.
+    `ffr_after` is the FFR of the first of TRUE_STATES that has one.
     """
     lesion, vessel = document["lesion"] or {}, case.get("vessel", {})
     ffr = {
@@ -71,7 +71,7 @@ def describe_calcium(calcium):
 def inclusion_table(patients, states, failed=()):
     """DataFrame of inclusion.csv, the steps of the flow chart.
 
-    patients: patients_table; states: {case: its states}; failed: names of further cases, which have no result.
+    patients: result of patients_table. states: {case: names of its states}. failed: names of cases without a result.
     """
     known = patients[patients["ffr_criterion"].notna()]
     included = known[known["included"].astype(bool)]

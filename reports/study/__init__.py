@@ -1,5 +1,5 @@
 """All cases together: tables of agreement, nearer, contrast, differences, cohort, timings, seconds and subgroups.
 
-Beside them: the statistics of Bland and Altman, the criterion of inclusion, the published agreement, the versions of
-the software, and `tables`, which reads the tables back. The folder builds on inputs and measuring.
+The folder also has the statistics of Bland and Altman, the criterion of inclusion, the published agreement and the
+versions of the software. `tables` reads the tables back. The folder imports from inputs and measuring.
 """

@@ -1,6 +1,6 @@
-"""agreement.csv: predicted and computed values against true or measured ones, over the cohort.
+"""agreement.csv: how well predicted and computed values agree with true or measured ones, over the cohort.
 
-The published agreement is given for comparison.
+The published agreement stands beside them.
 """
 
 import dataclasses
@@ -16,7 +16,7 @@ from reports.measuring.metrics import COMPARISONS
 from reports.inputs.reading import number
 
 PUBLISHED_FILE = pathlib.Path(__file__).with_name("published.json")
-# comparisons (a, b) of the published kind: the lumen after virtual PCI minus that in the CT after PCI
+# comparisons (a, b) like the published one: the lumen after virtual PCI minus the lumen in an image after PCI
 PUBLISHED_COMPARISONS = (("ct_vci", "ct"), ("vci", "post"))
 
 # name in agreement.csv -> where a state's value is in metrics.json
@@ -40,9 +40,10 @@ def published_results():
 
 
 def paired_values(documents, quantity, a, b):
-    """(case names, values of a, values of b) over the metrics documents that have both states.
+    """(case names, values in state a, values in state b) for the metrics documents that have both states.
 
-    If b is `measured`: FFR of state a at the wire's sensor, and the wire's FFR. Cases without a flow have no FFR.
+    If b is `measured`, the values are FFR computed at the wire's sensor and the wire's FFR. For FFR, cases without a
+    flow are left out.
     """
     cases, values_a, values_b = [], [], []
     for document in documents:
@@ -63,7 +64,7 @@ def paired_values(documents, quantity, a, b):
 
 
 def agreement_table(documents):
-    """DataFrame of agreement.csv: a row for each group of patients, comparison and quantity that some case has."""
+    """DataFrame of agreement.csv: a row for each group of patients, comparison and quantity with at least one case."""
     rows = [{"patients": name, **row} for name, found in patient_groups(documents) for row in agreement_rows(found)]
     table = pd.DataFrame(rows, columns=COLUMNS + PUBLISHED_COLUMNS)
     return table.astype({"published_n": "Int64"})
@@ -92,7 +93,7 @@ def agreement_rows(documents):
 
 
 def largest_estimate(documents, states):
-    """The largest error estimate of the computed FFRs of these states; None if one of them has none."""
+    """The largest error estimate of the FFRs computed in these states; None if an FFR has no estimate."""
     entries = [document["states"][state]["ffr"] for document in documents for state in states if state != MEASURED]
     estimates = [entry.get("error_estimate") for entry in entries]
     return None if None in estimates else max(estimates)

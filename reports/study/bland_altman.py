@@ -8,14 +8,18 @@ from scipy.stats import t as student
 
 from common.errors import InputError
 
-# Standard deviations to either side of the bias. Of normally distributed differences 95 % lie within.
+# The limits of agreement lie this many standard deviations to either side of the bias. If the differences are normally
+# distributed, 95 % of them lie between.
 LIMIT_SD_FACTOR = 1.96
 FEWEST_FOR_INTERVAL = 3  # patients
 
 
 @dataclasses.dataclass(frozen=True)
 class Agreement:
-    """Differences a - b over n patients. sd and limits are None for n < 2, the interval for n < 3."""
+    """Differences a - b over n patients: mean (bias), sd, limits of agreement, confidence interval of the bias.
+
+    sd_* and limits are None for n < 2, the interval for n < 3. mean_a, sd_a, mean_b and sd_b describe a and b alone.
+    """
 
     n: int
     bias: float
@@ -33,8 +37,9 @@ class Agreement:
 def bland_altman(a, b):
     """Agreement of the paired values a and b, each (n,), n >= 1.
 
-    sd is the sample standard deviation (n - 1); limits of agreement bias +- 1.96 sd; the bias's 95 % confidence
-    interval is bias +- t(0.975, n - 1) sd / sqrt(n). Raises InputError for unpaired, missing or non-finite values.
+    sd is the sample standard deviation (n - 1). The limits of agreement are bias +- 1.96 sd. The bias has the 95 %
+    confidence interval bias +- t(0.975, n - 1) sd / sqrt(n).
+    Raises InputError for unpaired, missing or non-finite values.
     """
     a, b = np.asarray(a, float), np.asarray(b, float)
     if a.shape != b.shape or a.ndim != 1 or a.size == 0:
@@ -56,5 +61,5 @@ def bland_altman(a, b):
 
 
 def sample_sd(values):
-    """Sample standard deviation of (n,) values; None for a single one."""
+    """Sample standard deviation of values (n,); None for a single value."""
     return float(np.std(values, ddof=1)) if len(values) > 1 else None

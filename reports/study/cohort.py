@@ -1,4 +1,4 @@
-"""cohort.csv: one row for each case, with patient, lesion, procedure, deployment and the values of each state."""
+"""cohort.csv: a row for each case, with patient, lesion, procedure, deployment and the values of each state."""
 
 import pandas as pd
 
@@ -24,7 +24,7 @@ STATE_VALUES = {
 
 
 def describe_device(use):
-    """One device use in words, as clinicians write it: "3.50x18 mm stent at 11 bar"."""
+    """A device and its pressure in words, as clinicians write them: "3.50x18 mm stent at 11 bar"."""
     return f"{use['nominal_diameter_mm']:.2f}x{use['length_mm']:g} mm {use['kind']} at {use['pressure_bar']:g} bar"
 
 

@@ -22,9 +22,9 @@ COLUMNS += [f"error_{method}" for method in METHODS] + ["nearer", "nearer_by"]
 def contrast_table(documents):
     """DataFrame of contrast.csv from the metrics documents, in their order: a row for each case and quantity.
 
-    value: in the lumen after PCI. error_*: predicted minus this value, empty if the case has no such prediction. The
-    area profile has no value; its error is the root mean square over the stations. nearer_by: difference of the sizes
-    of both methods' errors.
+    value: the quantity in the lumen after PCI. error_*: predicted minus this value, empty if the case has no such
+    prediction. The area profile has no value; its error is the root mean square over the stations. nearer_by: the
+    difference between the absolute errors of VCI and of radius correction.
     """
     rows = []
     for document in documents:
@@ -39,7 +39,7 @@ def contrast_table(documents):
 
 
 def contrast_row(document, quantity, truth):
-    """The columns of one case and quantity from `unit` on."""
+    """A row of contrast.csv (dict) for one case and quantity: the columns from `unit` on."""
     if quantity == AREA_PROFILE:
         errors = {method: profile_error(document, method, truth) for method in METHODS}
         row = {"unit": UNITS["mean_area"], "value": None}
@@ -62,16 +62,16 @@ def state_value(document, quantity, state):
 
 
 def profile_error(document, method, truth):
-    """Root mean square of the area's difference over the stations, mm2; None if the case has no such prediction."""
+    """Root mean square over the stations of predicted minus true area, mm2; None without this prediction."""
     found = document["differences"].get(f"{method}_minus_{truth}")
     return None if found is None else found["area_mm2"]["rmse"]
 
 
 def nearer_method(errors, noise):
-    """{nearer, nearer_by} of the errors {method: error}; both None if a method is missing.
+    """{nearer, nearer_by} of VCI and radius correction. errors: {method: error}. Both are None if an error is missing.
 
-    noise: numerical error of the quantity, infinite if not known, as with a reduced model of the flow. If the sizes of
-    the errors differ by no more than this, neither method counts as nearer.
+    noise: numerical error of the quantity; infinite if it is not known, as for a reduced model of the flow. If the
+    absolute errors differ by no more than `noise`, neither method counts as nearer.
     """
     if errors["vci"] is None or errors["rc"] is None:
         return {"nearer": None, "nearer_by": None}

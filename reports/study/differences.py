@@ -1,7 +1,7 @@
 """Diff^A and Diff^C, equations 24 and 25 of Lyu et al. 2025: differences in area and curvature.
 
-They are a predicted lumen's values minus those of the lumen after PCI: at each station, for each patient and over the
-cohort.
+A difference is the value in a predicted lumen minus the value in the lumen after PCI. The tables give it at each
+station, for each patient and over the cohort.
 """
 
 import numpy as np
@@ -18,12 +18,12 @@ QUANTITIES = {
     "diff_area": ("area", "profile_mm2", "area_mm2", "mm2"),
     "diff_curvature": ("curvature", "profile_per_mm", "curvature_per_mm", "per_mm"),
 }
-# In the column `case`, of the row with mean and standard deviation over the patients of a group.
+# Stands in the column `case` of the row with mean and standard deviation over the patients of a group.
 COHORT_ROW_NAME = "all cases"
 
 
 def compared_pairs(documents):
-    """The COMPARISONS (a, b, error) of a predicted state a with a state b after PCI, if any patient has both states."""
+    """The COMPARISONS (a, b, error) of a predicted state a with a state b after PCI that at least one patient has."""
     wanted = [(a, b, error) for a, b, error in COMPARISONS if a in PREDICTED and b in AFTER_PCI]
     return [one for one in wanted if any({one[0], one[1]} <= set(document["states"]) for document in documents)]
 
@@ -41,7 +41,7 @@ def station_differences(document, a, b):
 
 
 def station_table(documents):
-    """DataFrame of differences_stations.csv."""
+    """DataFrame of differences_stations.csv: a row for each comparison, patient and station."""
     parts = []
     for a, b, error in compared_pairs(documents):
         for document in documents:
@@ -74,7 +74,7 @@ def group_rows(documents):
 def patient_row(document, a, b):
     """One patient's row: mean, standard deviation, mean size and largest size of the differences over the stations.
 
-    The size is the absolute value. The mean is also given in per cent of the mean after PCI.
+    Size means absolute value. The mean is also given in per cent of the mean value after PCI.
     """
     stations = station_differences(document, a, b)
     row = {"case": document["case"], "n": len(stations)}
@@ -89,9 +89,9 @@ def patient_row(document, a, b):
 
 
 def cohort_row(of_cases):
-    """The cohort's row. Its columns are means over the patients, with two exceptions.
+    """The row of a group, from the rows of its patients: means over the patients, with two exceptions.
 
-    `sd` is the sample standard deviation of the patients' means. `largest` is the largest of all stations.
+    `sd` is the sample standard deviation of the patients' means. `largest` is the largest value at any station.
     """
     row = {"case": COHORT_ROW_NAME, "n": len(of_cases)}
     for key in of_cases[0]:

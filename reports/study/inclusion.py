@@ -1,6 +1,6 @@
-"""The patients in the statistics: as in Lyu et al. 2025, patients with FFR below 0.80 before PCI.
+"""The patients that enter the statistics: as in Lyu et al. 2025, those with FFR below 0.80 before PCI.
 
-The other patients are never mixed with them. They have rows of their own, under another name.
+No row mixes them with the other patients, who have rows of their own, under the name "excluded".
 """
 
 from reports.inputs.reading import number
@@ -11,7 +11,7 @@ GROUPS = (INCLUDED, EXCLUDED)
 
 
 def ffr_before(document):
-    """FFR before PCI of a metrics document: the pressure wire's, else the computed one past the lesion.
+    """FFR before PCI of a metrics document: the pressure wire's, else the one computed past the lesion.
 
     None if there is neither.
     """
@@ -23,7 +23,7 @@ def ffr_before(document):
 
 
 def meets_criterion(ffr):
-    """Whether FFR before PCI includes a patient; None if it is not known."""
+    """Whether a patient with this FFR before PCI is included; None if FFR is not known."""
     return None if ffr is None else ffr < FFR_THRESHOLD
 
 
@@ -36,5 +36,5 @@ def patient_groups(documents):
 
 
 def analysed_documents(documents):
-    """The documents that a figure shows: of the included patients, or of the others if no patient is included."""
+    """The documents that a figure shows: those of the included patients, or of the others if none is included."""
     return patient_groups(documents)[0][1] if documents else []

@@ -10,9 +10,10 @@ from reports.study.differences import AFTER_PCI
 from reports.study.inclusion import patient_groups
 
 SIGNIFICANCE_LEVEL = 0.05  # significance level of each row's test, two-sided
-# For a test: the smallest possible p of n pairs is 2 / 2^n, 0.0625 for five, 0.03125 for six.
+# Fewer patients cannot show a difference: the smallest possible p of n pairs is 2 / 2^n, 0.0625 for five patients and
+# 0.03125 for six.
 FEWEST_PATIENTS = 6
-RADIUS_CORRECTION = {"vci": "rc", "ct_vci": "ct_rc"}  # state of VCI -> radius correction of the same lumen
+RADIUS_CORRECTION = {"vci": "rc", "ct_vci": "ct_rc"}  # predicted by VCI -> by radius correction, from the same lumen
 NEARER, FARTHER, UNDECIDED = "nearer", "farther", "no difference shown"
 COLUMNS = [
     "patients",
@@ -33,9 +34,9 @@ COLUMNS = [
 def nearer_table(documents):
     """DataFrame of nearer.csv: a row for each group of patients, quantity and lumen after PCI.
 
-    A row needs a patient with both methods. error_vci, error_rc: mean size (absolute value) of the error over patients.
-    p: p value of Wilcoxon's two-sided signed-rank test of the sizes (scipy.stats.wilcoxon); None for fewer than six
-    patients. ties: patients in whom both sizes are alike; in FFR those in whom they differ by no more than the flow's
+    A row needs a patient with both predictions. error_vci, error_rc: mean absolute error over the patients. p: by
+    Wilcoxon's two-sided signed-rank test of the absolute errors (scipy.stats.wilcoxon); None for fewer than six
+    patients. ties: patients whose two absolute errors are equal; for FFR, whose two differ by no more than the flow's
     own error.
     """
     rows = [{"patients": name, **row} for name, found in patient_groups(documents) for row in nearer_rows(found)]
@@ -60,21 +61,21 @@ def nearer_rows(documents):
 
 
 def errors_by_case(documents, quantity, state, truth):
-    """{case: size of the error} of a state's quantity against the same quantity after PCI."""
+    """{case: absolute error} of a quantity in a predicted state, against the lumen after PCI (`truth`)."""
     cases, values, true = paired_values(documents, quantity, state, truth)
     return dict(zip(cases, np.abs(np.subtract(values, true))))
 
 
 def flow_error(document, states):
-    """The largest error estimate of the FFRs of a patient's states; infinite if one of them is not known."""
+    """The largest error estimate of a patient's FFRs in these states; infinite if one is not known."""
     largest = largest_estimate([document], states)
     return np.inf if largest is None else largest
 
 
 def paired_test(vci, rc, noise):
-    """The columns of nearer.csv from `n` on. vci, rc: sizes of errors (n,) of the same patients by both methods.
+    """The columns of nearer.csv from `n` on. vci, rc: absolute errors (n,) of both methods in the same patients.
 
-    noise (n,): numerical error in each patient. If both sizes differ by no more than this, the patient is a tie. The
+    noise (n,): numerical error in each patient. A patient whose two errors differ by no more than this is a tie. The
     test leaves ties out.
     """
     vci, rc = np.asarray(vci, float), np.asarray(rc, float)

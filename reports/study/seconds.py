@@ -19,7 +19,7 @@ def read_timings(path):
 def stage_seconds(timings):
     """DataFrame (case, step, stage, seconds) with a row for each stage of each step, from the engine's own clock.
 
-    timings: DataFrame of timings.csv. A repeated step (postdilatation_2) has the name of the first one.
+    timings: DataFrame of timings.csv. A repeated step (postdilatation_2) gets the name of the first one.
     """
     rows = []
     for row in timings[timings["source"] == "program"].itertuples():
@@ -31,9 +31,9 @@ def stage_seconds(timings):
 
 
 def seconds_by_group(stages):
-    """{(by, name): seconds (n,), one value for each case that has it}, in order of appearance.
+    """{(by, name): seconds (n,), one value for each case that has this stage or step}, in order of appearance.
 
-    by: "stage", "step" or "all"; name: name of the stage or step.
+    by: "stage", "step" or "all". name: name of the stage or step. stages: result of stage_seconds.
     """
     groups = {}
     for by in ("stage", "step"):

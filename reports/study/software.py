@@ -32,7 +32,7 @@ OS_RELEASE = pathlib.Path("/etc/os-release")
 def software_versions(repository):
     """{"system", "machine", "revision", "modified", "packages": {name: version}}, the content of software.json.
 
-    machine: as common.machine gives it. modified: whether files of the repository differ from its revision. Packages
+    machine: result of common.machine. modified: whether files of the repository differ from its revision. Packages
     that are not installed are left out. Raises InputError outside a git repository.
     """
     release = dict(line.split("=", 1) for line in OS_RELEASE.read_text().splitlines() if "=" in line)

@@ -1,4 +1,4 @@
-"""Tables of a cohort of drawn patients: agreement by subgroup, and why patients failed."""
+"""Tables of a cohort of randomly drawn patients: agreement by subgroup, and why patients failed."""
 
 import pathlib
 import re
@@ -10,7 +10,7 @@ from common.errors import InputError
 from reports.inputs.reading import read_json
 from reports.study.agreement import agreement_table
 
-SMALL_OSTIUM_MM, SEVERE_PERCENT = 4.0, 70  # limits between subgroups: diameter at the ostium, stenosis by diameter
+SMALL_OSTIUM_MM, SEVERE_PERCENT = 4.0, 70  # limits between the subgroups: diameter at the ostium, diameter stenosis
 FAILURE_COLUMNS = ["step", "reason", "patients", "example"]
 
 
@@ -67,7 +67,7 @@ def subgroup_tables(patients):
 
 
 def failure_reason(folder):
-    """(step, reason) of a patient that is not finished, from the newest log with an error. Without logs: not run."""
+    """The (step, reason) at which a patient failed, from the newest log with an error; ("", "not run") without logs."""
     logs = sorted(folder.rglob("logs/**/*.log"), key=lambda file: file.stat().st_mtime, reverse=True)
     for log in logs:
         found = re.findall(r"^error: (.*)$", log.read_text(errors="replace"), re.M)

@@ -1,4 +1,4 @@
-"""The tables of results/study: which command writes each of them, and how it is read back."""
+"""The tables of results/study: the command that writes each of them, and a function that reads them."""
 
 import pandas as pd
 
@@ -9,7 +9,7 @@ WRITTEN_BY = {
     "cohort": "reports cohort",
     "contrast": "reports contrast",
     "differences": "reports differences",
-    "half_maximum": "reports agreement",  # of the metrics in the lumens at half maximum
+    "half_maximum": "reports agreement",  # from the metrics of the lumens at half maximum
     "inclusion": "reports patients",
     "nearer": "reports nearer",
     "patients": "reports patients",
@@ -19,8 +19,8 @@ WRITTEN_BY = {
 
 
 def study_table(study_dir, name):
-    """The DataFrame of <name>.csv in the folder results/study; without rows if there was nothing to compare.
+    """The DataFrame of <name>.csv in the folder results/study. It has no rows if there was nothing to compare.
 
-    name: a key of WRITTEN_BY. Raises InputError, which names the command that writes it, for a missing file.
+    name: a key of WRITTEN_BY. Raises InputError for a missing file; the message names the command that writes it.
     """
     return pd.read_csv(require_file(study_dir / f"{name}.csv", WRITTEN_BY[name]))

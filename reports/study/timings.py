@@ -1,5 +1,4 @@
-"""timings.csv: time and memory of each step of each case, from Snakemake's benchmark files and the programs' own
-clocks."""
+"""timings.csv: time and memory of each step, from Snakemake's benchmark files and the programs' own clocks."""
 
 import pandas as pd
 
@@ -11,7 +10,10 @@ BENCHMARK_NUMBERS = ("s", "max_rss", "cpu_time")
 
 
 def benchmark_rows(files):
-    """Yields a row (dict) for each results/cases/<case>/benchmarks/**/*.tsv. Times are means over repeats of a step."""
+    """Yields a row (dict) for each results/cases/<case>/benchmarks/**/*.tsv.
+
+    If a step was repeated, its times are means and its memory is the largest.
+    """
     folder = files.folder / "benchmarks"
     for path in sorted(folder.rglob("*.tsv")):
         table = read_benchmark(path)
@@ -25,9 +27,9 @@ def benchmark_rows(files):
 
 
 def read_benchmark(path):
-    """DataFrame of a Snakemake benchmark file. A step too short to be sampled has "-" or 0 for memory and time.
+    """DataFrame of a Snakemake benchmark file.
 
-    Such entries are NaN here.
+    A step too short to be sampled has "-" for its memory, and "-" or 0 for its processor time. These become NaN.
     """
     table = pd.read_csv(path, sep="\t", na_values=["-", "NA"])
     for name in BENCHMARK_NUMBERS:

@@ -1,1 +1,1 @@
-"""Reads the tables of `whatif` on other plans and inputs of a case, draws them, and prepares them for the page."""
+"""Other plans and other inputs of a case: reads the tables of `whatif`, draws them, and prepares them for the page."""

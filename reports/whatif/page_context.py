@@ -9,8 +9,9 @@ VARIED_INPUTS = {"flow": "what the flow rests on", "deployment": "that and the d
 def planner_context(folder):
     """{plans, plans_error, intervals, ffr_ranges, deployment_varied} of a case's folder, for the page's templates.
 
-    plans: rows of ranking.csv; intervals: rows of the sampled intervals. ffr_ranges: {state: (lower, upper)} of FFR,
-    also over the deployment's inputs if they were varied (deployment_varied).
+    plans: rows of ranking.csv. plans_error: error of their FFR, None if not known. intervals: rows of the sampled
+    intervals. ffr_ranges: {state: (lower, upper)}, the interval of FFR over the flow's inputs. If deployment_varied is
+    true, it is the interval over the deployment's inputs too.
     """
     plans = read_ranking(folder)
     varied = read_intervals(folder)

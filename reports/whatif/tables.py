@@ -34,16 +34,16 @@ def read_ranking(folder):
 
 
 def read_sensitivity(folder):
-    """Rows of sensitivity/flow.csv, which must exist, and of sensitivity/deployment.csv if that may be used.
+    """DataFrame of sensitivity/flow.csv, and of sensitivity/deployment.csv if it may be used (see _usable_sources).
 
-    A DataFrame, whose column `source` says from which file a row is.
+    The column `source` says from which file a row comes. Raises InputError if flow.csv is missing.
     """
     require_file(folder / "sensitivity" / "flow.csv", "whatif flow")
     return pd.concat(_read_tables(folder, ""), ignore_index=True)
 
 
 def read_intervals(folder):
-    """{source: DataFrame} of the intervals by a case's Latin hypercube samples.
+    """{source: DataFrame} of a case's intervals, which come from Latin hypercube samples.
 
     source: `flow`, and `deployment` if its table may be used (see _usable_sources).
     """
@@ -53,8 +53,8 @@ def read_intervals(folder):
 def _usable_sources(folder):
     """Those of SOURCES whose table may be used.
 
-    Snakemake repeats deployment.csv only if it is asked for by name. So the table is used only if its FFR with all
-    inputs as planned is also in flow.csv.
+    Snakemake repeats deployment.csv only if it is asked for by name, so it may be out of date. It is used only if its
+    FFR with all inputs as planned stands in flow.csv too.
     """
     files = {source: folder / "sensitivity" / f"{source}.csv" for source in SOURCES}
     found = {source: _read_planned_ffrs(path) for source, path in files.items() if path.is_file()}

@@ -1,4 +1,4 @@
-"""Figure of a case: how its FFR and stent area depend on each input, and their interval over all inputs."""
+"""Figure of a case: how its FFR and stent area depend on each input, and their 95 % interval if all inputs vary."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -8,11 +8,11 @@ from reports.measuring.pressure_wire import FFR_THRESHOLD
 from reports.whatif.tables import QUANTITY_LABELS, STATE_LABELS, read_intervals, range_in_words, read_sensitivity
 
 LOW_COLOUR, HIGH_COLOUR, INTERVAL_COLOUR = "#56b4e9", "#0a5a94", "#f3efe4"
-BAR_SHARE = 0.62  # of a row's height
-ROW_HEIGHT, FRAME_HEIGHT, FIGURE_WIDTH = 0.3, 1.15, 8.2  # inches: of a row, of a panel's frame, of the figure
+BAR_SHARE = 0.62  # height of a bar, as a share of its row's height
+ROW_HEIGHT, FRAME_HEIGHT, FIGURE_WIDTH = 0.3, 1.15, 8.2  # inches: height of a row, of a panel's frame; width
 LEGEND_HEIGHT = 0.35  # inches: height of the legend
 PANELS = (("pre", "ffr"), ("vci", "ffr"), ("vci", "minimal_stent_area_mm2"))
-# least range of an axis in the quantity's unit, so that small effects do not look large
+# least length of an axis, in the quantity's unit, so that small effects do not look large
 LEAST_SPAN = {"ffr": 0.02, "minimal_stent_area_mm2": 0.2}
 
 

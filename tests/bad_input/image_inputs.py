@@ -1,4 +1,4 @@
-"""Labelled masks and CT volumes: damaged, of another kind, hostile; and unusual ones."""
+"""Labelled masks and CT volumes that are damaged, of another kind or hostile, and unusual ones that are accepted."""
 
 import gzip
 import json
@@ -14,7 +14,7 @@ MATRIX = masks.affine([0.5] * 3)
 
 
 def labels_of_a_tube(shape=(40, 18, 18), ends=((-3, 4.5, 4.5), (30, 4.5, 4.5)), radius=1.7):
-    """1 in a straight vessel along x that runs through the image."""
+    """Labels with 1 in a straight vessel along x that runs through the whole image, else 0."""
     return masks.capsules(masks.voxels(shape, MATRIX), [(*ends, radius, radius)]).astype(int)
 
 
@@ -25,7 +25,7 @@ def mask(path, labels=None, matrix=MATRIX):
 
 
 def changed(path, old, new):
-    """The file with one text replaced; it must be there."""
+    """Replaces a text in a file, which must hold it; returns the path."""
     whole = path.read_bytes()
     assert old in whole
     path.write_bytes(whole.replace(old, new, 1))
@@ -76,7 +76,7 @@ def _(folder):
 
 
 def compressed(folder, damage=lambda packed: packed):
-    """A MetaImage whose voxels are compressed and then damaged."""
+    """A MetaImage whose compressed voxels were changed by `damage`."""
     path = mask(folder / "mask.mha")
     head, voxels = path.read_bytes().split(b"ElementDataFile = LOCAL\n", 1)
     packed = damage(zlib.compress(voxels))
@@ -136,7 +136,7 @@ def _(folder):
 
 
 def as_text(folder, kind, beside):
-    """A mask as NRRD whose labels are written as text, in the header's file or beside it."""
+    """An NRRD mask of type `kind` with its labels as text, in a file beside the header or in the same file."""
     labels = labels_of_a_tube()
     text = " ".join(map(str, labels.ravel(order="F"))) + "\n"
     head = mask(folder / "mask.nrrd", labels).read_bytes().split(b"\n\n")[0].decode()
@@ -185,7 +185,7 @@ def _(folder):
 
 
 def volume(path, blood=400.0, fat=-80.0, noise=8.0, affine=MATRIX, dtype=np.int16):
-    """NIfTI of a vessel along x in fat, in HU."""
+    """Writes a NIfTI volume in HU: a vessel along x in fat."""
     labels = masks.capsules(masks.voxels((48, 30, 30), MATRIX), [((3, 7, 7), (20, 7, 7), 1.6, 1.6)])
     values = np.where(labels, blood, fat) + noise * np.random.default_rng(1).standard_normal(labels.shape)
     nibabel.save(nibabel.Nifti1Image(values.astype(dtype), affine), path)
@@ -277,7 +277,7 @@ def _(folder):
     return module("anatomy", "ct", volume(folder / "ct.nii"), "--ends", folder / "ends.json", "--out", folder / "out")
 
 
-# unusual, but lumens
+# Inputs that are unusual, but lumens.
 
 
 @input_case("a mask with blanks and an umlaut in its name")

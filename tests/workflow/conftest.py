@@ -1,6 +1,6 @@
-"""A copy of the repository in which every product of the quick cohort stands and is up to date, made without computing.
+"""A copy of the repository with all products of the quick cohort, up to date for Snakemake but made without computing.
 
-In such a copy a test changes one file and reads from a dry run which jobs Snakemake would run again, and why.
+A test changes one file of such a copy. A dry run then tells which jobs Snakemake would run again, and why.
 """
 
 import json
@@ -13,7 +13,7 @@ import pytest
 
 SNAKEMAKE = "/usr/bin/snakemake"
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-FOLDERS = ("devices", "frames", "assets", "cases", "data", "figures")  # outputs of rules that are folders
+FOLDERS = ("devices", "frames", "assets", "cases", "data", "figures")  # names of the rules' outputs that are folders
 NOT_COPIED = shutil.ignore_patterns(
     ".git", "build", "build-*", "results", ".snakemake", "__pycache__", "data", ".pytest_cache"
 )
@@ -26,14 +26,14 @@ class Workspace:
         self.folder = folder
 
     def snakemake(self, *arguments, cohort="quick", cases="", environment=(), more=()):
-        """Runs Snakemake with its configuration's `more` key=value pairs; returns the CompletedProcess."""
+        """Runs Snakemake and returns the CompletedProcess. more: further key=value pairs for --config."""
         selection = [f"cohort={cohort}", f"cases={cases}", *more]
         command = [SNAKEMAKE, "--cores", "2", "--nocolor", *arguments, "--config", *selection]
         variables = {**os.environ, **dict(environment)}
         return subprocess.run(command, cwd=self.folder, env=variables, text=True, capture_output=True)
 
     def planned_jobs(self, *arguments, cohort="quick", more=()):
-        """The jobs a dry run plans: dicts with name, wildcards, input, output, log, benchmark, reason."""
+        """The jobs that a dry run plans: dicts with name, wildcards, input, output, log, benchmark, reason."""
         record = self.folder / "jobs.jsonl"
         record.unlink(missing_ok=True)
         handler = ["--log-handler-script", str(ROOT / "tests" / "workflow" / "job_log.py")]
@@ -63,7 +63,7 @@ class Workspace:
 
 
 def copy_repository(folder):
-    """A Workspace with the repository's files and stand-ins for the programs (never run in a dry run)."""
+    """A Workspace with the repository's files. Text files stand in for the programs, which a dry run never starts."""
     shutil.copytree(ROOT, folder, ignore=NOT_COPIED)
     (folder / "build").mkdir()
     for program in ("vci", "lumen", "three.min.js"):
@@ -73,7 +73,7 @@ def copy_repository(folder):
 
 @pytest.fixture(scope="session")
 def finished_study(tmp_path_factory):
-    """A Workspace whose quick cohort counts as computed; not to be changed (see `finished`)."""
+    """A Workspace whose quick cohort counts as computed. Tests must not change it; they take `finished` instead."""
     workspace = copy_repository(tmp_path_factory.mktemp("finished") / "repository")
     for job in workspace.planned_jobs():
         for name in [*job["output"], *job["log"], *([job["benchmark"]] if job["benchmark"] else [])]:
@@ -87,7 +87,7 @@ def finished_study(tmp_path_factory):
 
 @pytest.fixture
 def finished(finished_study, tmp_path):
-    """A copy of the finished study to change at will; times of change are kept."""
+    """A copy of the finished study, with the files' times, that a test may change."""
     shutil.copytree(finished_study.folder, tmp_path / "repository", copy_function=shutil.copy2)
     return Workspace(tmp_path / "repository")
 

@@ -1,6 +1,6 @@
 # Benchmarks of each part: speed against error, and hard cases. They take minutes to hours and are no part of the study.
-# The report shows the ones that were run. They measure time, so they run one at a time: `threads` takes every core of
-# this machine, and a cluster gives each a whole node (WHOLE_NODE).
+# The report shows those that were run. They measure time, so they run one at a time: `threads` takes every core of this
+# machine, and a cluster gives each benchmark a whole node (WHOLE_NODE).
 ALL_CORES = workflow.global_resources["_cores"] or 1
 BENCHMARKS = {
     "deployment_speed": "benchmark.csv",

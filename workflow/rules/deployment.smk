@@ -1,4 +1,4 @@
-# The lumen after the procedure, three ways: virtual deployment, radius correction, independent finite elements.
+# The lumen after the procedure by three methods: virtual deployment, radius correction, independent finite elements.
 
 
 rule plan:
@@ -54,7 +54,7 @@ rule scene:
     message:
         "{wildcards.case}: scene for the virtual deployment"
     input:
-        # procedure and settings are separate: a change of the engine's wall or numerics must not re-run the reference
+        # The reference reads the plan alone, so that new settings of the engine (wall, numerics) do not re-run it.
         plan="results/cases/{case}/vci/plan.json",
         settings="results/cases/{case}/settings/deployment.json",
         code=command_code("workflow", "run_scene"),
@@ -142,8 +142,8 @@ rule reference:
         " --truth {input.truth} --settings {input.settings} --out {params.out}"
 
 
-# Radius correction by the stents alone. Lyu et al. 2025 correct the radius so in their example (figure 8): no further
-# balloon widens the lumen.
+# Radius correction by the stents alone: no further balloon widens the lumen. Lyu et al. 2025 correct the radius in this
+# way in their example (figure 8).
 rule stent_alone:
     message:
         "{wildcards.case}: the plan's stents alone"
@@ -178,7 +178,7 @@ use rule radius_correct as stent_alone_radius_correct with:
         "results/cases/{case}/benchmarks/rc_stent/radius_correct.tsv"
 
 
-# The same procedure predicted from the lumen found in the CT before it, since a clinic has no other lumen.
+# These rules predict the same procedure from the lumen found in the CT before it. A clinic has no other lumen.
 rule carry_plan:
     message:
         "{wildcards.case}: the plan in the lumen of the CT before the procedure"

@@ -1,5 +1,5 @@
 # FFR of every state. All states of a patient have the same boundary values.
-# Flows take the longest. They have priority 1, so that short steps are left for idle cores while the last flows run.
+# Flows take the longest. Priority 1 starts them early, so that short steps can fill idle cores while the last flows run.
 
 COARSE_FILES = [f"results/cases/{{case}}/flow/{{state}}/{name}" for name in COARSE_MESHES]
 

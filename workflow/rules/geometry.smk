@@ -1,5 +1,5 @@
 # From a case's surface to its checked lumen, centreline, sections and lesions. Every later state takes the same steps.
-# The steps before a plan have priority 2: input that cannot be used is refused before any flow is computed.
+# The steps before a plan have priority 2, so that unusable input is refused before any flow is computed.
 
 
 rule settings:

@@ -1,4 +1,4 @@
-# The comparison in CT a second time. Here the lumens are segmented at half maximum, the simplest way to read the image.
+# Makes the comparison in CT again, with lumens segmented at half maximum, the simplest way to read the image.
 # Area and curvature are measured as for any state. FFR is computed by the calibrated 1D network, which takes seconds.
 ARM = "results/cases/{case}/half_maximum"
 ARM_LOGS = "results/cases/{case}/logs/half_maximum"

@@ -13,12 +13,12 @@ WHOLE_NODE = {"sbatch_options": "--exclusive", "mem_mb": 0, "runtime": 720}
 
 
 def fixed_resources(megabytes, minutes):
-    """Resources of a step whose cost hardly depends on its input: {name: function for Snakemake}."""
+    """{name of the resource: function for Snakemake} of a step whose cost hardly depends on its input."""
     return resources_by_size((megabytes, 0), (minutes, 0))
 
 
 def resources_by_size(megabytes, minutes, *names):
-    """Resources of a step whose cost grows with the size of its inputs `names`: {name: function for Snakemake}.
+    """{name of the resource: function for Snakemake} of a step whose cost grows with the size of its inputs `names`.
 
     megabytes, minutes: each (value for empty inputs, increase per MB of input).
     """
@@ -32,8 +32,8 @@ def resources_by_size(megabytes, minutes, *names):
 def _input_size_mb(input, names):
     """Size in MB of the inputs `names` of a step. A folder counts with all its files.
 
-    An input that is not made yet counts as empty; Snakemake asks again before it submits the step. A group of steps is
-    submitted before its own files exist, so inputs made in the group always count as empty.
+    An input that is not made yet counts as empty. Snakemake asks again before it submits the step. But it submits a
+    group of steps at once, so inputs that are made in the group always count as empty.
     """
     paths = [pathlib.Path(input[name]) for name in names]
     files = [file for path in paths for file in (path.rglob("*") if path.is_dir() else [path])]

@@ -241,7 +241,7 @@ rule timings:
     message:
         "table of timings"
     input:
-        # metrics come last in a case, when every step has written its seconds to a Snakemake benchmark file
+        # When a case has its metrics, every step has written its seconds to a Snakemake benchmark file.
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
         code=command_code("reports", "run_timings"),
     output:
@@ -296,7 +296,7 @@ rule provenance:
     message:
         "provenance: hashes, versions, seeds and commands"
     input:
-        # metrics, pictures and varied plans come last in a case, when every product and every log is written
+        # When a case has its metrics, pictures and varied plans, every product and every log is written.
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
         varied=expand("results/cases/{case}/{table}.csv", case=CASES, table=["plans/ranking", "sensitivity/flow"]),

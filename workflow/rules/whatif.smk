@@ -1,4 +1,5 @@
 # Other plans for a case, and the sensitivity of FFR and areas. The 1D network, calibrated on 3D flow, gives FFR.
+# VARIED: files of a finished case, the inputs of the rules that vary it.
 VARIED = [
     INPUTS.files_of_states("flow/{state}/ffr.json", "{anatomy}/anatomy.json", "{anatomy}/sections.csv"),
     "results/cases/{case}/anatomy/lumen.vtp",
@@ -9,7 +10,7 @@ VARIED = [
     "results/cases/{case}/vci/deployment.json",
 ]
 DEVICES = sorted(str(file) for file in (STUDY.folder / "devices").glob("*.yaml"))
-STATE_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # anatomy of a lumen, read by the flow
+STATE_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # the anatomy of a lumen, for its flow
 PLAN_ANATOMY = {name.partition(".")[0]: f"results/cases/{{case}}/plans/{{plan}}/anatomy/{name}" for name in STATE_FILES}
 
 
@@ -43,7 +44,7 @@ rule other_plans:
         " --programs {params.build} --edge {params.edge} --spacing {params.spacing} --devices {params.devices} --out {output.ranking}"
 
 
-# The 3D flow of one of these plans. It runs only if its file is asked for, since few plans are worth the time.
+# The next three rules give the 3D flow of one plan. They run only if its file is asked for: few plans are worth the time.
 rule plan_lumen:
     message:
         "{wildcards.case}: lumen after the plan {wildcards.plan}, by its own name only"
@@ -138,7 +139,7 @@ rule flow_sensitivity:
         " --intervals {output.intervals} --out {output.table}"
 
 
-# It deploys two dozen times for each case, so it is no part of the study and runs only if its file is asked for.
+# This rule deploys two dozen times for each case. So it is no part of the study and runs only if its file is asked for.
 # The next report shows the result.
 rule procedure_sensitivity:
     message:

@@ -1,4 +1,4 @@
-"""The columns of a contour table by their names: which ones hold frame, x, y, z, and in which units."""
+"""Tells which columns of a contour table hold frame, x, y and z, and in which units, by the columns' names."""
 
 import csv
 import re
@@ -16,7 +16,10 @@ COLUMN_NAME = re.compile(
 
 
 def split_fields(line):
-    """The fields [str] of a line, divided by tabs, commas, semicolons or blanks; quotes hold a field together."""
+    """The fields [str] of a line, divided by tabs, commas, semicolons or blanks.
+
+    Within quotes these signs do not divide.
+    """
     if '"' not in line:
         return [field for field in re.split(r"[,;\t ]+", line) if field]
     divider = next((sign for sign in "\t;," if sign in line), " ")
@@ -24,7 +27,10 @@ def split_fields(line):
 
 
 def column_names(line):
-    """The names [str] in a line of names. Blanks divide names only if no other sign does: `x [mm], y [mm]` has two."""
+    """The names [str] of the columns, from the line of a table that holds them.
+
+    Blanks divide names only if no other sign does: `x [mm], y [mm]` has two names.
+    """
     if '"' in line or not any(sign in line for sign in "\t;,"):
         return split_fields(line)
     return [name.strip() for name in re.split("[,;\t]", line)]
@@ -33,10 +39,11 @@ def column_names(line):
 def column_order(names, units, where):
     """Indices of the columns of frame, x, y, z, and of the outline's number if there is such a column.
 
-    names: [str] of all columns. units: the declared ones. where: the place in the file, for messages. Columns with
-    other names are not read, nor is a first column without a name, which is a spreadsheet's row number. If x, y or z is
-    not among the names, the columns are taken in the usual order. Raises InputError if the names state other units
-    than the declared ones, or if they do not tell the frame's column.
+    names: [str] of all columns. units: the units that the user declared. where: the place in the file, for messages.
+    Columns with other names are not read. Beside a column named frame, a first column without a name is not read
+    either: it holds a spreadsheet's row numbers. If x, y or z is not among the names, the columns are taken in the
+    usual order. Raises InputError if the names state units other than the declared ones, or do not tell the frame's
+    column.
     """
     found = {}
     for number, name in enumerate(names):
@@ -64,7 +71,7 @@ def column_order(names, units, where):
 def picked_numbers(line, names, order_of_names):
     """The numbers [float] in the columns `order_of_names` (indices) of a line. Other columns may hold words or nothing.
 
-    None if the line has not as many fields as there are names, or if one of these fields is not a number.
+    None if the line has more or fewer fields than there are names, or if a picked field is not a number.
     """
     for cells in (split_fields(line), column_names(line)):
         if len(cells) == len(names) and all(is_number(cells[k]) for k in order_of_names):
@@ -88,7 +95,10 @@ def is_number(field):
 
 
 def _check_units(named, units, where):
-    """Raises InputError if a column's name states other units (`named`, None if it states none) than the declared."""
+    """Raises InputError if a column's name states units other than the declared `units`.
+
+    named: the stated units, or None if the name states none.
+    """
     named = UNIT_SPELLINGS.get(named, named)
     if named == "px":
         raise InputError(

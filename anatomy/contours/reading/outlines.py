@@ -7,14 +7,14 @@ from matplotlib.path import Path
 
 from common.errors import InputError
 
-SAME_POINT_MM = 1e-6  # points nearer to each other count as one
+SAME_POINT_MM = 1e-6  # points nearer to each other count as one point
 COLUMNS_HINT = "Without names frame, x, y, z over them the columns are taken in that order"
-FEWEST_POINTS = 8  # of an outline; with fewer a round lumen cannot be told from a square one
+FEWEST_POINTS = 8  # an outline needs this many: with fewer a round lumen cannot be told from a square one
 WIDEST_MM = 15.0  # coronary arteries, even with ectasia, are narrower; outlines in pixels are wider
-LEAST_AREA_MM2 = 0.03  # a radius of 0.1 mm, less than the catheter's own
-LARGEST_GAP_RATIO = 1.5  # longest gap of a line that closes to an outline, over the longest step between its points
-LEAST_WITHIN_SHARE = 0.9  # share of an outline's points that lie within another, at least; the others touch it
-LEAST_BRIDGE_RATIO = 3.0  # least length of the steps from one outline to the next and back, over the gaps of the two
+LEAST_AREA_MM2 = 0.03  # area of a circle with a radius of 0.1 mm; even the catheter is wider
+LARGEST_GAP_RATIO = 1.5  # a line nearly closes if its gap is at most this many times its longest step
+LEAST_WITHIN_SHARE = 0.9  # an outline lies within another if this share of its points does; the others may touch it
+LEAST_BRIDGE_RATIO = 3.0  # steps between two joined outlines are at least this many times as long as both gaps
 
 
 def area_mm2(outline):
@@ -31,10 +31,10 @@ def centroid(outline):
 
 
 def split_outlines(points):
-    """[points (n, 2) of an outline] in a list of points (m, 2) that may hold several outlines one after the other.
+    """Splits a list of points (m, 2) into its outlines: [points (n, 2) of each outline].
 
-    They are separated if each outline ends on the point where it began; else all points are one outline. A last point
-    equal to the very first one is left out: some files close polygons with holes so.
+    Outlines in a row can be told apart if each ends on the point where it began; otherwise all points are one outline.
+    Some files close a polygon with holes by repeating its very first point at the end. Such a last point is left out.
     """
     found, first = [], 0
     while first < len(points):
@@ -52,10 +52,10 @@ def split_outlines(points):
 def checked_outline(points, where, split_remedy, may_be_ring=False):
     """The outline (m, 2) in mm of points (n, 2), counter-clockwise, without repeated points.
 
-    where: its place in the tables, for messages. split_remedy: the remedy if several outlines were joined into one.
-    may_be_ring: it may go round the vessel and come back within itself, as the outline of a sheet of calcium does.
-    Raises InputError for an outline with points listed twice, one that crosses itself, one with a second outline
-    appended, too few points, or a size that no coronary artery has.
+    where: place of the outline in the tables, for messages. split_remedy: remedy to print if several outlines were
+    joined into one. may_be_ring: whether the outline may run round the vessel and back within itself, as round a sheet
+    of calcium. Raises InputError for points listed twice, a line that crosses itself, a second outline appended, too
+    few points, or a size that no coronary artery has.
     """
     points = points[_distance(points, np.roll(points, 1, axis=0)) > SAME_POINT_MM]
     if len(points) < FEWEST_POINTS:
@@ -91,8 +91,8 @@ def _distance(points, others):
 def _repeated_step(points):
     """A point (2,) from which a closed outline takes the same step twice, or None.
 
-    Steps in the opposite direction are subtracted. So a spike without width, which outlines of pixels may have, does
-    not count.
+    A step back along the same edge cancels a step. So a spike without width is allowed, as outlines traced along pixels
+    may have it.
     """
     keys = [tuple(point) for point in np.round(points / SAME_POINT_MM).astype(np.int64)]
     times = Counter(zip(keys, keys[1:] + keys[:1]))
@@ -106,7 +106,7 @@ def _crossing(points):
     """A place (2,) where two edges of the closed outline cross, or None."""
     begin, along = points, np.roll(points, -1, axis=0) - points
 
-    def side(i, j):  # (n, n): on which side of edge i edge j begins
+    def side(i, j):  # positive if edge j begins to the left of edge i, negative to its right
         return along[i, 0] * (points[j, 1] - begin[i, 1]) - along[i, 1] * (points[j, 0] - begin[i, 0])
 
     n = len(points)
@@ -122,11 +122,12 @@ def _crossing(points):
 def _second_outline_start(points, may_be_ring):
     """The point (2,) of a closed outline (n, 2) at which a second outline begins, or None.
 
-    The line runs along one outline, steps to the other, runs along that one and steps back. Each outline must nearly
-    close: the gap from its last to its first point is at most LARGEST_GAP_RATIO times its longest step. The gap must
-    also be at most half the radius of the outline (half the width of a slender one). Or it is at most a third of the
-    shorter of the two steps between the outlines, where both are longer than all other steps. With may_be_ring, an
-    outline that runs back within the other is the second line of a sheet of calcium, and no outline.
+    Two outlines that were joined form one line. It runs along the first, steps to the second, runs along that and steps
+    back. Such a line is recognised by two parts that each nearly close. The gap of a part, from its last to its first
+    point, must be at most LARGEST_GAP_RATIO times its longest step. It must also be at most half the radius of the part
+    (half the width of a slender one). If both steps between the parts are longer than all others, a gap of a third of
+    the shorter one is small enough too. With may_be_ring a part that runs back within the other is no outline: it is
+    the second line round a sheet of calcium.
     """
     step = _distance(np.roll(points, -1, axis=0), points)
     k = np.arange(FEWEST_POINTS, len(points) - FEWEST_POINTS + 1)
@@ -147,7 +148,7 @@ def _second_outline_start(points, may_be_ring):
 def _is_folded_back(one, other):
     """Whether one part of an outline lies within the other and runs in the opposite direction.
 
-    The inner and the outer line of a sheet of calcium round the vessel do so.
+    This holds for the inner and the outer line round a sheet of calcium that encloses the lumen.
     """
     if area_mm2(one) * area_mm2(other) > 0:
         return False
@@ -156,5 +157,5 @@ def _is_folded_back(one, other):
 
 
 def _half_radius(outline):
-    """Half the radius in mm of a round outline; half the width of a slender one."""
+    """Area over perimeter in mm: half the radius of a round outline, half the width of a slender one."""
     return abs(area_mm2(outline)) / _distance(outline, np.roll(outline, 1, axis=0)).sum()

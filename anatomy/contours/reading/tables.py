@@ -12,10 +12,10 @@ from . import columns, outlines
 
 MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001}
 PLANE_TOLERANCE_MM = (
-    0.01  # largest range of z within a frame, as z may be rounded to two decimals or rotated to and fro
+    0.01  # largest range of z within a frame: z may have been rounded to two decimals, or rotated and rotated back
 )
 COLUMNS_REMEDY = "four numbers: frame, x, y, z; decimal points; a fifth, the outline's number, in all lines or in none"
-RING_TABLES = ("calcium", "lipid")  # tables whose regions may reach round nearly the whole vessel
+RING_TABLES = ("calcium", "lipid")  # tables whose regions may run round nearly the whole vessel
 NUMBERING_REMEDY = "number several deposits of a frame in a fifth column, named outline if the table has names"
 
 
@@ -23,8 +23,8 @@ def read_rows(path, units):
     """Rows (n, 5) of a text table: frame, x, y, z in mm, and the outline's number, 0 if the table has none.
 
     path: file of the table, compressed if its name ends in .gz. units: unit of x, y, z. Columns are separated by tabs,
-    commas, semicolons or blanks. Lines that begin with # are skipped. A first line may have names, by which the columns
-    are told (columns.column_order). Raises InputError with the line that cannot be read.
+    commas, semicolons or blanks. Lines that begin with # are skipped. A first line may hold the columns' names, which
+    tell the columns (columns.column_order). Raises InputError with the line that cannot be read.
     """
     lines = _lines(path)
     rows, names, by_name = [], None, None
@@ -111,15 +111,16 @@ def read_outlines(path, units, what, is_used=None):
 
 
 def read_regions(path, units, what, is_used=None):
-    """{frame's name: (z in mm, [outline])} of a table whose frames may have several outlines; else as read_outlines().
+    """{frame's name: (z in mm, [outline (n, 2) in mm])} of a table whose frames may have several outlines.
 
-    Outlines are separated by their number, or because each ends on the point where it began.
+    Outlines are separated by their number, or because each ends on the point where it began. Parameters and errors are
+    those of read_outlines(), but several outlines in a frame are no error.
     """
     return _read(path, units, what, is_used, NUMBERING_REMEDY, what in RING_TABLES)
 
 
 def _read(path, units, what, is_used, remedy, may_be_ring):
-    """As read_regions(). remedy, may_be_ring: as `split_remedy` and `may_be_ring` of outlines.checked_outline()."""
+    """The result of read_regions(). remedy, may_be_ring: passed to outlines.checked_outline()."""
     found = {}
     for frame, rows in _frames(read_rows(path, units)):
         if is_used is None or is_used(frame, rows[0, 3]):
@@ -140,7 +141,7 @@ def _frames(rows):
 
 
 def _split_rows(rows):
-    """[points (n, 2) of an outline] from the rows of a frame."""
+    """The outlines [points (n, 2) of each] in the rows of one frame."""
     numbered = (rows[rows[:, 4] == number, 1:3] for number in dict.fromkeys(rows[:, 4]))
     return [part for points in numbered for part in outlines.split_outlines(points)]
 
@@ -154,7 +155,7 @@ def _check_plane(rows, where):
 
 
 def read_points(path, units):
-    """[(frame's name, z in mm, point (2,) in mm)] of a table of single points, in its order."""
+    """[(frame's name, z in mm, point (2,) in mm)] of a table of single points such as landmarks, in its order."""
     return [(_name(row[0]), row[3], row[1:3]) for row in read_rows(path, units)]
 
 
@@ -165,8 +166,8 @@ def _name(frame):
 def write_thinned(source, target, points):
     """Writes a contour table with fewer points: `points` evenly chosen rows of each outline, to 0.0001 mm.
 
-    source: a table in mm. target: the table to write, whose first line names the columns. This is for tables with
-    hundreds of points in each frame, more than a catheter resolves.
+    source: a table in mm. target: the table to write, whose first line names the columns. Some tables have hundreds of
+    points in each frame, more than a catheter resolves.
     """
     frames = [(name, rows[0, 3], _split_rows(rows)) for name, rows in _frames(read_rows(source, "mm"))]
     numbered = any(len(parts) > 1 for _, _, parts in frames)

@@ -1,1 +1,1 @@
-"""Where the lumen ends on a ray from its axis: blood beside wall, beside calcium and beside a stent."""
+"""Finds where the lumen ends on a ray from its axis: beside wall, beside calcium and in a stent."""

@@ -6,14 +6,15 @@ import numpy as np
 
 from .edges import HEALTHY_WALL_HU, USUAL_SIGMA_MM
 
-KNOTS_MM = 40.0  # between the corners of the trend: contrast changes over centimetres, lesions and calcium over less
+KNOTS_MM = 40.0  # distance of the trend's knots: contrast changes over centimetres, lesions and calcium are shorter
 WIDE_SIGMAS = (
-    3.2  # radius over sigma of the point spread: in wider sections blur takes at most 1 % of the blood on the axis
+    3.2  # least radius of a wide section, in sigmas of the point spread: blur lowers the HU on its axis by 1 % at most
 )
-LEAST_SLOPE_MM = 15.0  # length of wide sections that a slope needs; over less, contrast changes by less than its noise
-LEAST_CONSTANT_MM = 2.0  # length of wide sections that even a constant needs
-ROUNDS, SOFT_HU = 30, 3.0  # rounds of the fit; deviations below SOFT_HU are squared instead of taken absolute
-TREND_RANGE = 0.5, 1.5  # of the median: a trend beyond this range has another cause than contrast
+# A slope is fitted only if this length of the sections is wide. Over less, contrast changes by less than its noise.
+LEAST_SLOPE_MM = 15.0
+LEAST_CONSTANT_MM = 2.0  # with less length of wide sections not even a constant is fitted
+ROUNDS, SOFT_HU = 30, 3.0  # rounds of reweighting; smaller deviations than SOFT_HU count by their square
+TREND_RANGE = 0.5, 1.5  # limits of the trend over its median; what lies beyond them is not caused by contrast
 
 
 class Trend:
@@ -30,9 +31,9 @@ class Trend:
 def fit_trend(s_mm, hu, use, fallback):
     """Trend fitted to the CT numbers hu (n,) at s_mm (n,) of the sections chosen by use (n,) of bool.
 
-    The sum of the absolute deviations is least, as for a median. So lesions and calcium on less than about a quarter of
-    the length hardly change it. If less than 15 mm are chosen, the Trend is their median. fallback: the Trend to
-    return if less than 2 mm are chosen.
+    The sum of the absolute deviations is minimised, as by a median. So lesions and calcium on less than about a quarter
+    of the length hardly change the Trend. If less than 15 mm are chosen, the Trend is constant, at their median. If
+    less than 2 mm are chosen, the Trend `fallback` is returned.
     """
     long_mm = use.sum() * (s_mm[1] - s_mm[0])
     if long_mm < LEAST_CONSTANT_MM:
@@ -42,7 +43,7 @@ def fit_trend(s_mm, hu, use, fallback):
         return Trend(0.0, middle)
     knots = np.linspace(0, s_mm[-1], max(int(round(s_mm[-1] / KNOTS_MM)), 1) + 1)
     hats = np.stack([np.interp(s_mm, knots, row) for row in np.eye(len(knots))], axis=1)
-    # A weak penalty on changes of slope determines the trend at knots without sections.
+    # Without chosen sections near a knot the fit leaves its value open. A weak penalty on changes of slope fixes it.
     stiff = np.diff(np.eye(len(knots)), 2, axis=0)
     left, values, weights = hats[use], hu[use] - middle, np.ones(int(use.sum()))
     for _ in range(ROUNDS):
@@ -53,7 +54,10 @@ def fit_trend(s_mm, hu, use, fallback):
 
 
 def first_trend(profiles):
-    """Trend of the CT numbers on the axis before any radius is known. It relies on most of the vessel being wide."""
+    """Trend of the CT numbers on the axis, fitted before any radius is known.
+
+    All sections are used. This relies on most of the vessel being wide.
+    """
     constant = Trend(0.0, np.median(profiles.axis_hu))
     return fit_trend(profiles.s_mm, profiles.axis_hu, np.ones(len(profiles.s_mm), bool), constant)
 
@@ -61,8 +65,8 @@ def first_trend(profiles):
 def refined_trend(profiles, tube, fallback, sigma_mm=USUAL_SIGMA_MM):
     """Trend of the CT numbers on the axis where the vessel is wide, corrected for the blur by the point spread.
 
-    profiles: as sampled. tube: the lumen found. fallback: the Trend to return if the branch is narrow or short.
-    sigma_mm: standard deviation of the point spread.
+    profiles: Profiles as sampled. tube: the Tube found so far. fallback: the Trend to return if the branch is narrow or
+    short. sigma_mm: standard deviation of the point spread.
     """
     radius_mm = tube.radius(profiles.s_mm)
     share = 1 - np.exp(-0.5 * (radius_mm / sigma_mm) ** 2)
@@ -72,9 +76,9 @@ def refined_trend(profiles, tube, fallback, sigma_mm=USUAL_SIGMA_MM):
 
 
 def level_contrast(profiles, level, blood):
-    """Profiles scaled as if the blood had the CT number `blood` all along; that of a healthy wall does not change.
+    """Profiles with the contrast scaled as if the blood had the CT number `blood` all along the branch.
 
-    level: the branch's Trend.
+    level: the branch's Trend. The CT number of a healthy wall is kept.
     """
     scale = (blood - HEALTHY_WALL_HU) / np.maximum(level(profiles.s_mm) - HEALTHY_WALL_HU, 1.0)
     hu = HEALTHY_WALL_HU + (profiles.hu - HEALTHY_WALL_HU) * scale[:, None, None]

@@ -1,4 +1,4 @@
-"""The lumen's edge along rays perpendicular to an axis."""
+"""Finds the lumen's edge along rays perpendicular to an axis."""
 
 from dataclasses import dataclass, replace
 
@@ -12,39 +12,43 @@ from scipy.special import chndtr, i0e
 from . import calcified
 from . import stented as stents
 
-STEP_MM = 0.05  # between the samples of a ray
+STEP_MM = 0.05  # distance between the samples of a ray
 REACH_MM = 4.0  # length of a ray
-WALL_SAMPLE_MM = (0.35, 0.55)  # window beyond the edge: in the wall, past most of the lumen's blur
+# The tissue is measured between these distances beyond the edge: in the wall, past most of the blur of the blood.
+WALL_SAMPLE_MM = (0.35, 0.55)
 USUAL_SIGMA_MM = 0.315  # sigma of the point spread for which this window was chosen
 MEASURED_WALL_WEIGHT, HEALTHY_WALL_HU = (
-    0.75,
-    50.0,
-)  # weight of the measured tissue against a healthy wall; a healthy wall's HU
+    0.75,  # weight of the measured tissue; the rest of the weight goes to a healthy wall
+    50.0,  # CT number of a healthy wall
+)
 LARGEST_WALL_SHARE = (
-    0.45  # tissue beside the lumen is at most this share of the blood: calcium and metal are not tissue
+    0.45  # tissue beside the lumen counts as at most this share of the blood's HU: calcium and metal are not tissue
 )
 # Calcium and metal are brighter than BRIGHT_RATIO times the blood. They also exceed the blood by BRIGHT_DEVIATIONS
 # standard deviations of its noise.
 BRIGHT_RATIO, BRIGHT_DEVIATIONS = 1.15, 4.0
-# Calcium and metal are looked for this near to the axis. Share of bright rays from which a section is a stent's.
+# Calcium and metal are sought within BRIGHT_REACH_MM of the axis. A section is in a stent if more than STENT_SHARE of
+# its rays are bright.
 BRIGHT_REACH_MM, STENT_SHARE = 3.0, 0.5
-MM_PER_DEGREE = 10.0  # length of vessel for each degree of the polynomial that is subtracted to find the noise
-BLOOD_SHARE = 0.85  # share of the blood's CT number above which the axis of a section shows blood
-CORE_MM = 0.4  # from the axis, where a vessel shows blood alone
-BLOOMING_MM = 0.6  # calcium nearer beyond an edge moves the edge
-STENT_BLUR_MM = 0.5  # past a stent's end, where blurred metal is visible and the filter along the axis would spread it
+MM_PER_DEGREE = 10.0  # the polynomial subtracted to find the noise gets one degree more for each such length of vessel
+BLOOD_SHARE = 0.85  # a section's axis shows blood if its CT number is above this share of the blood's
+CORE_MM = 0.4  # within this distance of the axis a section shows blood alone
+BLOOMING_MM = 0.6  # calcium within this distance beyond an edge moves the edge by its blur
+# Sections this near to a stent's end are measured as stented. Blurred metal is visible there, and the filter along the
+# axis would spread the error.
+STENT_BLUR_MM = 0.5
 OUTLIER_RATIO = 1.35  # rays longer than this times the section's usual radius run into a side branch or a neighbour
-FILTER_MM = 2.25  # window of the cubic filter along the axis; no bias for lesions longer than about 4 mm
-HARMONICS = 4  # of the radius round a section that smooth_radii() keeps
+FILTER_MM = 2.25  # window of the cubic filter along the axis: it does not bias lesions longer than about 4 mm
+HARMONICS = 4  # smooth_radii() keeps this many harmonics of the radius round a section
 
 
 @dataclass
 class Profiles:
     """CT numbers of one branch in sections across its axis.
 
-    hu: (n, m, k) at arc lengths s_mm (n,), angles theta (m,) in radians and distances r_mm (k,) from the axis. axis_hu:
-    (n,) on the axis. gain: (n,) factor by which blood.level_contrast() has multiplied the contrast, and with it the
-    noise.
+    hu (n, m, k): CT numbers at arc lengths s_mm (n,), angles theta (m,) in radians and distances r_mm (k,) from the
+    axis. axis_hu (n,): CT numbers on the axis. gain (n,): factor by which blood.level_contrast() has multiplied the
+    contrast, and with it the noise.
     """
 
     s_mm: np.ndarray
@@ -76,13 +80,17 @@ def sample(hu_at, axis, spacing_mm, rays):
     ray = np.cos(theta)[None, :, None] * normal[:, None] + np.sin(theta)[None, :, None] * binormal[:, None]
     points = axis.point(s)[:, None, None] + r[None, None, :, None] * ray[:, :, None]
     hu = hu_at(points)
-    # The CT number on the axis is the mean over a small disc, filtered along the axis: noise then makes no dark spot.
+    # The CT number on the axis is averaged over a small disc and filtered along the axis. Otherwise noise would make
+    # dark spots, which look like occlusions.
     centre = hu[:, :, : int(0.2 / STEP_MM) + 1].mean(axis=(1, 2))
     return Profiles(s, theta, r, hu, smooth_along(centre, s, 1.25))
 
 
 def smooth_along(values, s_mm, window_mm=FILTER_MM, derivative=0):
-    """values (n, ...) at s_mm (n,) after a cubic Savitzky-Golay filter along the axis; or their derivative."""
+    """values (n, ...) at s_mm (n,) after a cubic Savitzky-Golay filter along the axis.
+
+    derivative: 1 or 2 to get that derivative by s instead.
+    """
     step = s_mm[1] - s_mm[0]
     window = min(2 * int(round(0.5 * window_mm / step)) + 1, (len(s_mm) - 1) // 2 * 2 + 1)
     if window < 5:
@@ -110,9 +118,9 @@ def first_fall(hu, r_mm, level, start_mm=0.0):
 def noise_hu(hu, profiles, blood):
     """Noise in HU: standard deviation of hu (n, m, k) near the axis of sections whose axis shows blood.
 
-    A slow change along the vessel is no noise, nor is the fall away from the axis that the blur causes in narrow
-    lumens. So a polynomial of the arc length is subtracted at each distance from the axis. Its degree is 1, and 1 more
-    for each 10 mm of vessel.
+    Two other changes must not count as noise: a slow change along the vessel, and the fall away from the axis that blur
+    causes in narrow lumens. So a polynomial of the arc length is subtracted at each distance from the axis. Its degree
+    is 1, and 1 more for each 10 mm of vessel.
     """
     s, core = _core(hu, profiles, blood)
     if len(s) < 8:
@@ -123,7 +131,7 @@ def noise_hu(hu, profiles, blood):
 
 
 def unevenness_hu(hu, profiles, blood):
-    """Standard deviation in HU, near the axis, from a straight line along the vessel.
+    """Standard deviation in HU of the CT numbers near the axis from a straight line along the vessel.
 
     It contains the noise, steps of the contrast along the vessel, and the blur.
     """
@@ -141,20 +149,23 @@ def _core(hu, profiles, blood):
 
 
 def _deviation(values):
-    # 1.4826: standard deviation over median deviation of a normal distribution
+    # For a normal distribution the standard deviation is 1.4826 times the median deviation, which outliers hardly
+    # change.
     return 1.4826 * float(np.median(np.abs(values)))
 
 
 def find_calcium_and_stents(profiles, blood, stented=False):
     """(calcium (n, m), radius (n, m), stent (n,)): which rays meet calcium, where, and which sections are in a stent.
 
-    radius is in mm, infinite if the ray meets no calcium. Calcium and metal are brighter than BRIGHT_RATIO times the
-    blood, and than the blood by BRIGHT_DEVIATIONS standard deviations. Both are judged after averaging over some
-    samples in each direction. A section is in a stent if most rays of it and its neighbours are bright, and if the user
-    calls the vessel stented: calcium all round may look the same.
+    radius: distance in mm from the axis at which the ray meets calcium, infinite if it meets none. A bright place has
+    more than BRIGHT_RATIO times the blood's CT number. It also exceeds the blood by BRIGHT_DEVIATIONS standard
+    deviations. Both are judged after averaging over some samples in each direction. Bright places are calcium or metal.
+    They are taken for a stent where most rays of neighbouring sections are bright, but only if `stented`: calcium all
+    round may look the same.
     """
     smooth = uniform_filter(profiles.hu, (3, 3, 5), mode=("nearest", "wrap", "nearest"))
-    # Steps of the contrast along the vessel count here as unevenness, so that they do not pass for calcium.
+    # Steps of the contrast along the vessel count as unevenness, which raises the level. So blood behind a step does
+    # not pass for calcium.
     uneven = unevenness_hu(smooth, profiles, blood)
     level = np.maximum(BRIGHT_RATIO * blood, blood + BRIGHT_DEVIATIONS * uneven * profiles.gain)
     above = (smooth > level[:, None, None]) & (profiles.r_mm < BRIGHT_REACH_MM)
@@ -171,10 +182,11 @@ def near_stent(stent, s_mm):
 
 
 def replace_outliers(radius):
-    """(radii (n, m), replaced (n, m) of bool): rays into side branches and missed edges (nan) are replaced.
+    """(radii (n, m), replaced (n, m) of bool): radii on rays into side branches, and missing radii (nan), are replaced.
 
-    They are interpolated from the other rays of the section. If these are too few, all get the section's usual radius:
-    the lesser of its own median and OUTLIER_RATIO times the median over neighbouring sections.
+    They are interpolated from the other rays of the section. If too few others are left, all rays of the section get
+    its usual radius. This is the median over the section, but at most OUTLIER_RATIO times the median over neighbouring
+    sections.
     """
     n, m = radius.shape
     filled = np.where(np.isnan(radius), np.inf, radius)
@@ -193,7 +205,10 @@ def replace_outliers(radius):
 
 
 def smooth_radii(radius, s_mm):
-    """Radii (n, m) smoothed: with HARMONICS harmonics round the section, and by the cubic filter along the axis."""
+    """Radii (n, m) after smoothing in both directions.
+
+    HARMONICS harmonics are kept round each section. Along the axis the cubic filter is applied.
+    """
     waves = np.fft.rfft(radius, axis=1)
     waves[:, HARMONICS + 1 :] = 0
     return smooth_along(np.fft.irfft(waves, radius.shape[1], axis=1), s_mm)
@@ -202,13 +217,14 @@ def smooth_radii(radius, s_mm):
 def tissue_hu(profiles, radius, blood, sigma_mm=None, calcium=False):
     """CT number (n, m) in HU of the tissue just beyond the edge, smoothed over neighbours.
 
-    It is the mean between 0.35 and 0.55 mm beyond the edge radius (n, m). There the blur mixes in blood and, behind a
-    healthy wall, about as much fat. Behind thick plaque no fat balances the blood. The result is at most
-    LARGEST_WALL_SHARE of the blood's CT number. Rays that meet calcium (n, m) get a healthy wall's.
+    It is the mean between 0.35 and 0.55 mm beyond the edge at radius (n, m). Blur adds some blood there. Behind a
+    healthy wall it adds about as much fat, which is dark, so both cancel. Behind thick plaque there is no fat to cancel
+    the blood. The result is at most LARGEST_WALL_SHARE of the blood's CT number. Rays that meet calcium (n, m) get the
+    CT number of a healthy wall.
 
-    With sigma_mm the window is scaled by the point spread, and a quarter of the distance to a healthy wall's CT number
-    is added. This reduces the error by the missing fat to 4 HU (measured on noise-free tubes with a wall of 0.7 mm and
-    plaque up to 1.1 mm).
+    With sigma_mm the window is scaled by the point spread. The result is then moved by a quarter towards the CT number
+    of a healthy wall. This reduces the error by the missing fat to 4 HU. It was measured on noise-free tubes with a
+    wall of 0.7 mm and plaque up to 1.1 mm.
     """
     scale = 1.0 if sigma_mm is None else sigma_mm / USUAL_SIGMA_MM
     distance = profiles.r_mm - radius[..., None]
@@ -224,7 +240,7 @@ def tissue_hu(profiles, radius, blood, sigma_mm=None, calcium=False):
 
 
 def edge_share(radius_mm, sigma_mm):
-    """Share of the contrast that is left at the edge of a disc of radius_mm blurred by a Gaussian of sigma_mm.
+    """Share of the contrast that is left at the edge of a disc of radius_mm (R) blurred by a Gaussian of sigma_mm.
 
     It is 1/2 (1 - exp(-x) I0(x)) with x = (R / sigma)^2: 1/2 for a straight edge, less in a narrow vessel.
     """
@@ -242,14 +258,15 @@ def edges_before_calcium(profiles, blood, calcium, sigma_mm):
 def find_edges(profiles, method, blood, sigma_mm=None, stented=False, rounds=4):
     """(radii (n, m) in mm, replaced (n, m) of bool) of the lumen's edge in one branch.
 
-    replaced: as replace_outliers() returns it. method: how the edge is found. blood: the blood's CT number. sigma_mm:
+    replaced: result of replace_outliers(). method: how the edge is found. blood: the blood's CT number. sigma_mm:
     standard deviation of the point spread. rounds: number of iterations between edges and tissue. On rays that meet
     calcium near the edge, blood and calcium are fitted together, with a usual point spread if sigma_mm is not given.
-    half_maximum: the edge is at the mean of the CT number on the axis and that of the tissue beyond the edge. In a
-    stent the metal counts as lumen, as in a clinical reading, so the area is too large.
-    psf_edge: the edge is at the level between tissue and blood that a blurred tube as wide as the section has at its
-    true edge. Then the blur along the axis is corrected to first order, r - sigma^2 / 2 r''(s). In a stent the bloom
-    is removed (stented.fit).
+
+    - half_maximum: the edge has the mean of two CT numbers, on the axis and of the tissue beyond the edge. In a stent
+    the metal counts as lumen, as in a clinical reading, so the area is too large.
+    - psf_edge: the edge is at the level between tissue and blood that a blurred tube as wide as the section has at its
+    true edge. Then the blur along the axis is corrected to first order, r - sigma^2 / 2 r''(s). In a stent the bloom is
+    removed (stented.fit).
     """
     n, m, _ = profiles.hu.shape
     hu, (_, place, stent) = np.minimum(profiles.hu, BRIGHT_RATIO * blood), find_calcium_and_stents(
@@ -286,11 +303,12 @@ def find_edges(profiles, method, blood, sigma_mm=None, stented=False, rounds=4):
 
 
 def point_spread(profiles, radius, blood):
-    """Sigma (mm) of the image's point spread, a Gaussian; None if fewer than eight wide sections lack bright places.
+    """Sigma (mm) of the image's point spread, a Gaussian.
 
-    The profiles of these sections across their edges are averaged. T + (B - T) x (blurred disc of their mean radius,
-    moved by delta) is fitted over sigma and delta. B is the blood's CT number. T is fixed at a healthy wall's, since
-    with T free the fat behind the wall would increase sigma.
+    The sections used are wide and free of calcium and metal; with fewer than eight of them the result is None. Their
+    profiles across the edges are averaged. T + (B - T) x (blurred disc of their mean radius, moved by delta) is fitted
+    over sigma and delta. B is the blood's CT number. T is fixed at that of a healthy wall: with T free, the fat behind
+    the wall would increase sigma.
     """
     steep = find_calcium_and_stents(profiles, blood)[0].any(axis=1)  # calcium and metal steepen the edge
     steep = uniform_filter1d(steep.astype(float), 9, mode="nearest") > 0.05

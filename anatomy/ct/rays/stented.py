@@ -3,13 +3,14 @@
 import numpy as np
 from scipy.special import chndtr, i0e
 
-INNER_MM, OUTER_MM = 0.8, 0.35  # fitted stretch inside and outside the edge; fat behind the wall hardly affects it
-STEP_MM = 0.02  # between the radii tried
-STRUT_CENTRE_MM = 0.04  # from the wall inwards to the middle of struts of usual thickness
+# A ray is fitted from INNER_MM inside the edge to OUTER_MM outside it. So fat behind the wall hardly affects the fit.
+INNER_MM, OUTER_MM = 0.8, 0.35
+STEP_MM = 0.02  # step of the radii that are tried
+STRUT_CENTRE_MM = 0.04  # distance from the wall inwards to the middle of a strut of usual thickness
 
 
 def blurred_disc(r_mm, radius_mm, sigma_mm):
-    """Value at distances r_mm from the centre of a unit disc of radius_mm, blurred by a Gaussian of sigma_mm."""
+    """Value at distances r_mm from the centre of a disc of value 1, of radius_mm, blurred by a Gaussian of sigma_mm."""
     return chndtr((radius_mm / sigma_mm) ** 2, 2, (r_mm / sigma_mm) ** 2)
 
 
@@ -25,12 +26,12 @@ def blurred_ring(r_mm, radius_mm, sigma_mm):
 def fit(hu, r_mm, blood, tissue, sigma_mm, largest_mm):
     """Lumen radii (n, m) in mm on rays with CT numbers hu (n, m, k) at distances r_mm (k,) from the axis.
 
-    They are the R of the least-squares fit, over R and M >= 0, of
+    This model is fitted to each ray by least squares over R and M >= 0, and its R is returned.
 
     I(r) = T + (B - T) blurred_disc(r; R) + M blurred_ring(r; R - 0.04).
 
-    B and T are the CT numbers of blood and tissue, M the height of the metal's blurred peak. R is searched in steps of
-    0.02 mm up to largest_mm and refined by the parabola through the best three.
+    B and T are the CT numbers of blood and tissue, M is the height of the metal's blurred peak. R is searched in steps
+    of 0.02 mm up to largest_mm and refined by the parabola through the best three errors.
     """
     candidates = np.arange(0.6, largest_mm, STEP_MM)
     errors = np.empty((len(candidates),) + hu.shape[:2])

@@ -10,7 +10,6 @@ struct Extruder {
   const Mesh& from;
   Mesh to;
   RegionMap region, new_region;
-  std::vector<std::map<Vertex, Vertex>> rings; ///< for one end: the rim first, then its copies
 
   explicit Extruder(const Mesh& mesh) : from(mesh), region(region_map(mesh)) { new_region = region_map(to); }
 
@@ -59,7 +58,6 @@ Mesh extended(const Mesh& mesh, std::vector<End>& ends, const std::vector<double
     return mesh;
   Extruder extruder(mesh);
   std::map<Vertex, Vertex> wall;
-  std::map<int, std::map<Vertex, Vertex>> cap; // by region: the cap's vertices at their new place
   for (Face f : mesh.faces())
     if (extruder.region[f] == 0)
       for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))

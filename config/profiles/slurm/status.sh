@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# status.sh JOB: says success, failed or running, as Snakemake asks for it. Needs no accounting: the controller keeps a job's
-# state for MinJobAge (300 s unless set) after its end; later sacct is asked, where there is accounting.
+# status.sh JOB prints success, failed or running, the words that Snakemake expects. It needs no accounting: Slurm's
+# controller keeps a job's state for MinJobAge (default 300 s) after its end. Later the script asks sacct, if it can.
 set -uo pipefail
 job=${1:?usage: status.sh JOB}; job=${job%%;*} # sbatch --parsable appends the cluster's name on a federation
 
@@ -10,7 +10,7 @@ elif grep -q 'Invalid job id' <<<"$answer"; then
   state=$(sacct --noheader --parsable2 --allocations --format=State --jobs="$job" 2>/dev/null | head -n1 | cut -d' ' -f1)
   [ -n "$state" ] || { echo "Slurm no longer knows job $job and keeps no accounts; it is run again" >&2; state=UNKNOWN; }
 else
-  state=RUNNING # the controller does not answer now: that says nothing about the job
+  state=RUNNING # the controller does not answer now, which says nothing about the job
 fi
 
 case $state in

@@ -1,4 +1,4 @@
-"""The slice against CalculiX (ccx 2.20), another code: a thick ring of plaque and wall, inflated and let go.
+"""Compares a slice with CalculiX (ccx 2.20), another code. A thick ring of plaque and wall is inflated and let go.
 
 Both codes have the same nodes, loads and constants. The ring is eccentric, with plaque (J2, neo-Hookean, hardening)
 inside and a Yeoh wall outside. A follower pressure on the lumen rises to two levels and returns to zero.
@@ -18,8 +18,8 @@ from . import calculix
 AROUND, THROUGH = 16, 4
 INNER_MM, C10_MPA, C20_MPA, BULK_MPA = 0.8, 0.05, 0.2, 20.0
 PRESSURES_MPA = (0.045, 0.075, 0.0)
-INCREMENTS = 12  # in which each load step is applied, in both programs
-RIGID_SUPPORT_MPA_PER_MM = 1e-7  # support that keeps the slice from rigid motion; in CalculiX pinned nodes do so
+INCREMENTS = 12  # both programs apply each load step in this many increments
+RIGID_SUPPORT_MPA_PER_MM = 1e-7  # so soft that it only stops rigid motion; CalculiX has pinned nodes instead
 
 
 def ring_geometry():
@@ -52,7 +52,7 @@ def slice_positions():
 
 
 def ring_layer():
-    """The ring as one layer of CalculiX's elements."""
+    """The ring as a calculix.ElementLayer."""
     return calculix.build_layer(*ring_geometry(), THROUGH)
 
 
@@ -86,8 +86,8 @@ def calculix_positions(program, folder):
 def comparison_rows(by_slice, by_calculix):
     """A row (dict) for each load step: mean radii (mm) of the lumen by both codes, and their largest difference.
 
-    by_slice, by_calculix: positions by slice and CalculiX. The difference is that of nodes after both centroids are
-    aligned.
+    by_slice, by_calculix: results of slice_positions() and calculix_positions(). The largest difference is the greatest
+    distance between a node's two positions, after both centroids are aligned.
     """
     found = []
     for pressure, a, b in zip(PRESSURES_MPA, by_slice, by_calculix):

@@ -18,8 +18,8 @@ from ..slices import slices
 from ..tube.procedure import TreatedTube, enclosed_area
 
 SAMPLE_SPACING_MM = 0.1
-STENT_EDGE_MM = 1.5  # to each side of a stent end; areas there are compared separately
-EXCLUDED_END_MM = 1.0  # at each end of the computed stretch; not compared, since the solid is held there
+STENT_EDGE_MM = 1.5  # areas nearer than this to a stent's end, on either side, are compared separately
+EXCLUDED_END_MM = 1.0  # left out at each end of the computed stretch, where the solid is held
 
 
 def parse_mesh(text):
@@ -47,8 +47,8 @@ def slice_areas(field, branch, s_mm):
 def area_errors(s_mm, area, reference_area, span_mm):
     """Errors in per cent of `area` (n,) against `reference_area` (n,), both in mm2 at arc lengths s_mm (n,).
 
-    They are given for the area by region, for the smallest area within the stent, and for the resistance (sum of A^-2).
-    span_mm: arc lengths (2,) of the stent's ends.
+    Three errors are given: of the area in each region, of the smallest area within the stent, and of the resistance
+    (sum of A^-2 of the areas A). span_mm: arc lengths (2,) of the stent's ends.
     """
     error = 100 * (area / reference_area - 1)
     distance_to_edge = np.minimum(np.abs(s_mm - span_mm[0]), np.abs(s_mm - span_mm[1]))

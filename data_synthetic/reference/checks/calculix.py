@@ -1,8 +1,8 @@
-"""CalculiX (ccx 2.20), another finite-element code: a plane-strain slice as one layer of its elements, and its run.
+"""Input and run of CalculiX (ccx 2.20), another finite-element code, for a slice in plane strain.
 
-The elements are C3D20R between z = 0 and LAYER_HEIGHT_MM, with all nodes held in z. As in the slice, finite plasticity
-is that of Simo (*PLASTIC with NLGEOM). CalculiX's Yeoh energy penalises a change of volume by (J - 1)^2, that of the
-slice by (J^2 - 1)/2 - ln J.
+The slice is one layer of elements C3D20R between z = 0 and LAYER_HEIGHT_MM, with all nodes held in z. Finite plasticity
+is Simo's in both codes (*PLASTIC with NLGEOM). The Yeoh energies differ in the penalty on a change of volume J: (J -
+1)^2 in CalculiX, (J^2 - 1)/2 - ln J in the slice.
 """
 
 import os
@@ -24,9 +24,9 @@ class ElementLayer:
     """One layer of 20-node bricks in a ring.
 
     coordinates: {node number: (x, y, z)} in mm. elements (n, 20): node numbers. ring_index, depth_index (n,): an
-    element's place round the ring and through the wall. lumen_nodes (2 around,), outer_nodes (2 around,): numbers of
-    the nodes at z = 0 on the inner and the outer circle. top_offset: the node at z = LAYER_HEIGHT_MM above a node has
-    the node's number plus `top_offset`.
+    element's place round the ring and through the wall. lumen_nodes, outer_nodes (2 around,): numbers of the nodes at z
+    = 0 on the inner and the outer circle. top_offset: the node at z = LAYER_HEIGHT_MM above a node has the number of
+    that node plus `top_offset`.
     """
 
     coordinates: dict
@@ -38,7 +38,10 @@ class ElementLayer:
     top_offset: int
 
     def lumen_nodes_all_heights(self):
-        """Lumen nodes at all heights, sorted: (numbers (n,), index into `lumen_nodes` of the node below each (n,))."""
+        """(numbers (n,), places (n,)) of the lumen's nodes at all heights, sorted by number.
+
+        places: index into `lumen_nodes` of the node at z = 0 below each.
+        """
         column = {int(node): place for place, node in enumerate(self.lumen_nodes)}
         levels = (0, self.top_offset // 2, self.top_offset)
         above = {node + level: place for node, place in column.items() for level in levels}
@@ -54,7 +57,7 @@ class ElementLayer:
 
 
 def build_layer(theta, inner, outer, through):
-    """The Layer with nodes on rays at angles theta (2 around,) in rad, and `through` elements through the wall.
+    """The ElementLayer with nodes on rays at angles theta (2 around,) in rad, and `through` elements through the wall.
 
     inner, outer (2 around,): radii in mm of both edges on each ray.
     """
@@ -94,9 +97,9 @@ def comma_lines(values, per_line=12):
 
 
 def mesh_lines(ring, sets):
-    """Lines of input for a Layer: nodes, elements, node sets, and all nodes held in z.
+    """Lines of input for an ElementLayer: nodes, elements, node sets, and all nodes held in z.
 
-    sets: {name: (n,) bool}, the elements of each set.
+    sets: {name: (n,) of bool}, which elements belong to each set.
     """
     out = ["*NODE, NSET=ALL"]
     out += [f"{n}, {x:.12f}, {y:.12f}, {z:.12f}" for n, (x, y, z) in sorted(ring.coordinates.items())]
@@ -115,7 +118,7 @@ def mesh_lines(ring, sets):
 
 
 def plaque_lines(name, shear_mpa, yield_mpa, hardening_mpa, bulk_mpa):
-    """Lines of input for an elastoplastic material with linear hardening."""
+    """Lines of input for plaque: an elastoplastic material with linear hardening."""
     young = 9 * bulk_mpa * shear_mpa / (3 * bulk_mpa + shear_mpa)
     poisson = (3 * bulk_mpa - 2 * shear_mpa) / (2 * (3 * bulk_mpa + shear_mpa))
     out = [f"*MATERIAL, NAME={name}", "*ELASTIC", f"{young:.12g}, {poisson:.12g}", "*PLASTIC"]
@@ -123,14 +126,15 @@ def plaque_lines(name, shear_mpa, yield_mpa, hardening_mpa, bulk_mpa):
 
 
 def wall_lines(name, c10_mpa, c20_mpa, bulk_mpa):
-    """Lines of input for a Yeoh material."""
+    """Lines of input for the wall: a Yeoh material."""
     return [f"*MATERIAL, NAME={name}", "*HYPERELASTIC, YEOH", f"{c10_mpa}, {c20_mpa}, 0., {2 / bulk_mpa:.12g}, 0., 0."]
 
 
 def support_lines(ring, support_mpa_per_mm):
-    """Lines of input for the elastic support: springs at the outer nodes of both faces, fixed at their other end.
+    """Lines of input for the elastic support outside the wall.
 
-    Simpson's rule on each element's side shares the support (MPa/mm) out among the nodes.
+    It consists of springs at the outer nodes of both faces, fixed at their other end. Simpson's rule on each element's
+    side shares the support (MPa/mm) out among the nodes.
     """
     numbers, places = ring.outer_nodes, np.array([ring.coordinates[n][:2] for n in ring.outer_nodes])
     first, middle, last = places[0::2], places[1::2], np.roll(places[0::2], -1, axis=0)
@@ -158,10 +162,10 @@ def support_lines(ring, support_mpa_per_mm):
 
 
 def run_and_read(program, text, folder, kind, steps, nodes):
-    """Displacements (mm) or forces (N), (steps, nodes, 2), that CalculiX prints for a node set after each load step.
+    """Runs CalculiX in `folder`. Returns what it prints for a node set after each load step: (steps, nodes, 2).
 
-    text: the input; kind: "displacements" or "forces"; steps, nodes: the expected numbers. CalculiX runs in `folder`.
-    Raises InputError if the program is missing, ComputationError if it fails.
+    text: the input. kind: "displacements" (mm) or "forces" (N). steps, nodes: the expected numbers. Raises InputError
+    if the program is missing, ComputationError if it fails.
     """
     path = shutil.which(program)
     if path is None:

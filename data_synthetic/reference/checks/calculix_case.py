@@ -1,10 +1,12 @@
-"""One slice of a patient through its whole procedure, against CalculiX: predilatation, stent, post-dilatation, recoil.
+"""Compares one slice of a patient with CalculiX through a whole procedure, from predilatation to recoil.
 
-The slice does the steps of the study's procedure with their devices. CalculiX has the same mesh, tissues and support.
-After each load step it moves the lumen's nodes to the positions found by the slice. Two pressures are compared after
-each inflation and deflation: the tissue's on the lumen by CalculiX, and the devices' by the slice. The stiffness of
-tissue and devices turns their difference into a difference of area. In both codes an element has one tissue, taken at
-its middle. Devices as bodies in contact were tried: CalculiX 2.20 did not converge while the balloon opened.
+The slice does the steps of the study's procedure with their devices. CalculiX has the same mesh, tissues and support,
+but no devices. After each load step it moves the lumen's nodes to the positions found by the slice. After each
+inflation and deflation two pressures are compared: that of the tissue on the lumen by CalculiX, and that of the devices
+by the slice. The stiffness of tissue and devices turns their difference into a difference of area. In both codes an
+element has one tissue, taken at its middle.
+
+Devices as bodies in contact were tried: CalculiX 2.20 did not converge while the balloon opened.
 """
 
 import pathlib
@@ -31,22 +33,22 @@ class RecordedSlice(SliceModel):
     """A slice that records each load step's name, lumen nodes (mm), loads and mean device pressure (MPa)."""
 
     def place(self, inner_mm, outer_mm, material):
-        """As SliceModel, and clears the record."""
+        """Starts a new slice as SliceModel does, and clears the record."""
         super().place(inner_mm, outer_mm, material)
         self.records = []
 
     def advance(self, target, name="load"):
-        """As SliceModel, and records the state reached."""
+        """Moves the loads as SliceModel does, and records the state reached."""
         super().advance(target, name)
         at, loads = self.lumen_position(), self.loads()
         self.records.append({"name": name, "lumen": at, "pressure": mean_pressure(at, loads), "loads": loads})
 
 
 def mean_pressure(lumen, loads):
-    """Mean pressure in MPa on a lumen: the integral of p n . x along its edge over 2 A, where A is its area.
+    """Mean pressure in MPa on a lumen of area A: the integral of p n . x along its edge, over 2 A.
 
-    lumen (2 around, 2): nodes of quadratic sides, in mm. loads: loads of a SliceModel. Under a uniform pressure the
-    result is this pressure.
+    lumen (2 around, 2): nodes of quadratic sides, in mm. loads: loads of a SliceModel, which give the pressure p at a
+    place x with the normal n. Under a uniform pressure the result is this pressure.
     """
     first, middle, last = lumen[0::2], lumen[1::2], np.roll(lumen[0::2], -1, axis=0)
     total, area = 0.0, 0.0
@@ -139,8 +141,8 @@ def lumen_areas(lumens):
 def comparison_rows(recorded, forces, steps):
     """A row (dict) for each stage: the lumen's area in mm2, the same in both codes, and both mean pressures in MPa.
 
-    worth_in_area_percent: the change of area that the difference of the pressures would make. recorded, forces: results
-    of solve_by_slice and solve_by_calculix.
+    Its worth_in_area_percent is the change of area that the difference of the pressures would make. recorded, forces:
+    results of solve_by_slice and solve_by_calculix.
     """
     rows = []
     for name, stage, index in procedure_stages(recorded, steps):
@@ -169,16 +171,17 @@ def _device_stiffness(loads):
 
 
 def _tissue_stiffness(recorded, index):
-    """Change of pressure over change of radius (MPa/mm) in load step `index`."""
+    """Change of the mean pressure over change of the lumen's radius (MPa/mm) in load step `index`."""
     radius = np.sqrt(lumen_areas(np.stack([entry["lumen"] for entry in recorded[index - 1 : index + 1]])) / np.pi)
     change = recorded[index]["pressure"] - recorded[index - 1]["pressure"]
     return change / (radius[1] - radius[0]) if abs(radius[1] - radius[0]) > 1e-6 else 0.0
 
 
 def compare(scene_path, truth_path, out, program="ccx", s_mm=None, settings_path=None):
-    """Writes `out`/case_vs_calculix.json. s_mm: arc length of the slice; None: the tightest under the stent.
+    """Writes `out`/case_vs_calculix.json.
 
-    Raises InputError, ComputationError.
+    s_mm: arc length of the slice; None: where the vessel under the first stent is tightest. Raises InputError,
+    ComputationError.
     """
     scene, settings = run.load_scene(scene_path), config.load_section(settings_path, "reference")
     patient, steps = run.read_patient_and_steps(scene, scene_path, truth_path)
@@ -200,7 +203,7 @@ def compare(scene_path, truth_path, out, program="ccx", s_mm=None, settings_path
 
 
 def solve_by_slice(section, steps, s_mm, settings):
-    """The records of a RecordedSlice that does the steps."""
+    """The records of a RecordedSlice that goes through the steps of the procedure."""
     model = RecordedSlice(settings["elements_around"], section.through, *(settings[key] for key in SETTING_KEYS))
     model.place(section.inner, section.outer, section.material)
     procedure.run_procedure(model, steps, s_mm, settings, True, "section")

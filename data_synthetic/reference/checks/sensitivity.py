@@ -1,8 +1,8 @@
-"""Sensitivity of the reference to each constant that is a choice; one is varied at a time.
+"""Measures how the reference depends on each constant that is a choice; one constant is varied at a time.
 
 The area is the mean of three slices, at the quarters of the stented stretch. The curvature is the mean over the stented
-axis after straightening by the stent, computed as a beam. Slices do not depend on the beam's constants. Of the slices'
-constants the beam uses the support only.
+axis after the stent has straightened it, computed as a beam. Slices do not depend on the beam's constants. Of the
+slices' constants only the support is varied in the beam. The beam's bending stiffness is a constant of its own here.
 """
 
 import csv
@@ -30,7 +30,7 @@ SLICE_CONSTANTS = (
 )
 SLICE_FACTORS, BEAM_FACTORS = (0.5, 2.0), (0.25, 0.5, 2.0, 4.0)
 STENT_BENDING, VESSEL_BENDING, SUPPORT = "stent bending_stiffness_n_mm2", "vessel_bending_n_mm2", "support_mpa_per_mm"
-SLICE_POSITIONS = (0.25, 0.5, 0.75)  # of the slices, as shares of the stented stretch's length
+SLICE_POSITIONS = (0.25, 0.5, 0.75)  # places of the slices, as shares of the stented stretch's length
 
 
 def write_sensitivity(scene_path, truth_path, out, settings_path=None):

@@ -1,4 +1,4 @@
 """Cross-sections in plane strain: mesh, model, positions, solution, and error estimate.
 
-The modules build on solid, treatment and surface.
+The modules import from the folders solid, treatment and surface.
 """

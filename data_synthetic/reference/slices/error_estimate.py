@@ -1,4 +1,4 @@
-"""Estimated numerical error of the reference's lumen area: by elements, load steps and the spacing of slices."""
+"""Estimates the numerical error of the reference's lumen area by elements, by load steps and by the slices' spacing."""
 
 import sys
 
@@ -7,17 +7,18 @@ from scipy.interpolate import PchipInterpolator
 
 from ..surface import deformation
 
-FEWEST_FOR_SPACING = 5
+FEWEST_FOR_SPACING = 5  # stented slices that the estimate by spacing needs
 
 
 def estimate(records, settings, slice_area):
     """The document `error_estimate` of reference.json; all errors in per cent of a slice's area.
 
-    records: the solved slices. slice_area(refinement, settings, s_mm, stented): solves a slice again with `refinement`
-    times the elements, and returns its area in mm2. In the document, `slices` lists the slices that were solved again.
-    step_percent is the change of a slice's area from half the load step to the full one. mesh_percent is the change
-    from twice the elements to the usual number, both at half the load step. The error by spacing is the change of the
-    area if a slice is left out (`leave_one_out_change`).
+    records: the solved slices. slice_area(refinement, settings, s_mm, stented): function that solves a slice again with
+    `refinement` times the elements, and returns its area in mm2.
+
+    In the document, `slices` lists the slices that were solved again. step_percent is the change of a slice's area from
+    half the load step to the full one. mesh_percent is the change from twice the elements to the usual number, both at
+    half the load step. The error by spacing is the change of the area if a slice is left out (`leave_one_out_change`).
     """
     stented = sorted((r for r in records if r["stented"]), key=lambda r: r["s_mm"])
     pool = stented or sorted(records, key=lambda r: r["s_mm"])
@@ -62,8 +63,8 @@ def _slice_error(record, settings, slice_area):
 def leave_one_out_change(s_mm, area_mm2, coupling_mm):
     """Largest change in per cent (n,) of the lumen's area along the span if one slice is left out; 0 for the two ends.
 
-    s_mm, area_mm2 (n,): slices of one span. The radii of circles of equal area are interpolated and coupled along the
-    axis, as SpanField does with the lumen's displacement. coupling_mm: see SpanField.
+    s_mm, area_mm2 (n,): slices of one span. Between slices the radii of circles of equal area are interpolated and
+    coupled along the axis. SpanField does the same with the lumen's displacement. coupling_mm: see SpanField.
     """
     fine = deformation.grid_positions(s_mm)
     coupling = (

@@ -12,8 +12,9 @@ LUMEN, OUTSIDE = 1, 2
 class Annulus:
     """Ring of `around` x `through` biquadratic elements, created on the unit annulus 1 < r < 2.
 
-    mesh: dolfinx mesh with geometry of degree 2; facet_tags: LUMEN, OUTSIDE. theta_rad (2 around,): angles of the nodes
-    of a circle. depth (2 through + 1,): place of each circle between lumen (0) and outside (1).
+    mesh: dolfinx mesh with geometry of degree 2. facet_tags: its edges on the lumen (LUMEN) and outside (OUTSIDE).
+    theta_rad (2 around,): angles of the nodes of a circle. depth (2 through + 1,): place of each circle of nodes
+    between lumen (0) and outside (1).
     """
 
     def __init__(self, around, through):
@@ -27,7 +28,8 @@ class Annulus:
         cells = []
         for i in range(0, columns, 2):
             for j in range(0, 2 * through, 2):
-                # Basix's order: corners (0,0) (1,0) (0,1) (1,1), then edges, then centre. First direction: depth.
+                # Basix orders the nodes by corners (0,0) (1,0) (0,1) (1,1), then edges, then the centre. The first
+                # direction is depth.
                 corner = [node(i, j), node(i, j + 2), node(i + 2, j), node(i + 2, j + 2)]
                 edge = [node(i, j + 1), node(i + 1, j), node(i + 1, j + 2), node(i + 2, j + 1)]
                 cells.append(corner + edge + [node(i + 1, j + 1)])

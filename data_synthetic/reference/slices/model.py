@@ -15,8 +15,8 @@ from .mesh import LUMEN, OUTSIDE, Annulus
 class SliceModel(LoadSteppedModel):
     """Model of a slice that is compiled once, then placed on one slice after another.
 
-    Loads (a dict of LOAD_NAMES): the pressure laws of balloon and stent, each times a share from 0 to 1, and a uniform
-    pressure (MPa) for tests.
+    Its loads are a dict of LOAD_NAMES. They are the parameters of the pressure laws of balloon and stent, a share from
+    0 to 1 by which each law is multiplied, and a uniform pressure (MPa) for tests.
     """
 
     def __init__(self, around, through, wall_c10_mpa, wall_c20_mpa, bulk_modulus_mpa, support_mpa_per_mm):
@@ -78,8 +78,8 @@ class SliceModel(LoadSteppedModel):
     def place(self, inner_mm, outer_mm, material):
         """Starts a new slice, at rest.
 
-        inner_mm, outer_mm: radii (2 around,) at annulus.theta_rad. material(theta, radius): from (n,) arrays of rad and
-        mm to (share of plaque, shear MPa, yield MPa, hardening MPa), each (n,).
+        inner_mm, outer_mm (2 around,): radii at annulus.theta_rad. material(theta, radius): function that takes (n,)
+        arrays in rad and mm. It returns (share of plaque, shear MPa, yield MPa, hardening MPa), each (n,).
         """
         self.annulus.place(inner_mm, outer_mm)
         x = fenicsx.expression_values(self._position_expression, self.annulus.mesh, self._cells).reshape(-1, 2)

@@ -10,14 +10,14 @@ from ..treatment import procedure
 from . import error_estimate
 from .model import SliceModel
 
-MOST_REFINEMENTS = 3  # rounds in which slices are added
+MOST_REFINEMENTS = 3  # slices are added in at most this many rounds
 LEAST_SPACING_MM = 0.09  # no slice is added nearer than this to another
 
 
 class Patient:
     """A virtual patient: the diseased `branch` that is cut into slices, all `branches`, and the wall's thickness.
 
-    wall_mm: thickness of the healthy wall outside the plaque.
+    wall_mm: thickness in mm of the healthy wall, which lies outside the plaque.
     """
 
     def __init__(self, branch, branches, wall_thickness_mm):
@@ -36,7 +36,7 @@ class Patient:
 def slice_positions(axis_length_mm, steps, spacing_mm, margin_mm):
     """Arc lengths in mm: (slices without a stent (n,), [(start, end, slices with the stent)] for each stented span).
 
-    They are evenly spaced, with one at each end of a stented span.
+    They are evenly spaced. At each end of a stented span there is a slice of both kinds.
     """
     low = min(step.balloon.reach()[0] for step in steps) - margin_mm
     high = max(step.balloon.reach()[1] for step in steps) + margin_mm
@@ -80,7 +80,7 @@ def slice_model(settings, refine=1):
 def solve_slice(model, patient, steps, s_mm, settings, stented):
     """Takes the model through the procedure at arc length s_mm: (displacement (2 around, 2) mm of the lumen, record).
 
-    The record (dict) is the slice's entry in reference.json. stented: whether stents hold at this slice.
+    record: the slice's entry (dict) in reference.json. stented: whether stents hold at this slice.
     """
     patient.place(model, s_mm)
     history = procedure.run_procedure(model, steps, s_mm, settings, stented, patient.branch.name)
@@ -98,7 +98,7 @@ def solve_slice(model, patient, steps, s_mm, settings, stented):
 def solve_lumen(model, patient, steps, settings):
     """(LumenDeformation, records, arc lengths of the slices without a stent (n,)) from all slices of the branch.
 
-    Stented spans get more slices where evenly spaced ones do not resolve the area, by
+    A stented span gets more slices where evenly spaced ones do not resolve the area. This is judged by
     `error_estimate.leave_one_out_change`.
     """
     unstented_s, spans = slice_positions(

@@ -1,4 +1,4 @@
-"""Finite-strain solid in plane strain, as UFL: Yeoh wall mixed with a plaque of multiplicative J2 plasticity.
+"""Material laws of a solid at finite strain, as UFL: a Yeoh wall, and a plaque of multiplicative J2 plasticity.
 
 Source of the return mapping: J. C. Simo, T. J. R. Hughes, Computational Inelasticity (1998), box 9.1 (neo-Hookean,
 isochoric-volumetric split, radial return in the Kirchhoff stress). It has a closed form, so UFL derives the tangent.
@@ -6,7 +6,7 @@ isochoric-volumetric split, radial return in the Kirchhoff stress). It has a clo
 
 import ufl
 
-DEVIATORIC_DEGREE, VOLUMETRIC_DEGREE = 5, 3  # 3x3 Gauss points; 2x2 for the volumetric part, against locking
+DEVIATORIC_DEGREE, VOLUMETRIC_DEGREE = 5, 3  # 3x3 Gauss points; only 2x2 for the volumetric part, which avoids locking
 
 
 def deformation_gradient(u):
@@ -29,8 +29,9 @@ def plaque_return(f, plastic, hardening_strain, shear, yield_stress, hardening):
     """Radial return of the plaque.
 
     f: 3x3 deformation gradient. plastic: Cp^-1 at the last step, where Cp (3x3) is the right Cauchy-Green tensor of the
-    plastic part of f. hardening_strain: equivalent plastic strain at the last step. shear, yield_stress, hardening: in
-    MPa. Returns (deviatoric Kirchhoff stress 3x3 in MPa, new Cp^-1, new equivalent plastic strain).
+    plastic part of f. hardening_strain: equivalent plastic strain at the last step. shear, yield_stress, hardening:
+    constants of the plaque in MPa. Returns (deviatoric Kirchhoff stress 3x3 in MPa, new Cp^-1, new equivalent plastic
+    strain).
     """
     volume = ufl.det(f)
     be_bar = volume ** (-2.0 / 3.0) * f * plastic * f.T
@@ -47,21 +48,27 @@ def plaque_return(f, plastic, hardening_strain, shear, yield_stress, hardening):
 
 
 def wall_stress(f, c10, c20):
-    """Deviatoric Kirchhoff stress of the Yeoh wall W = c10 (I1 - 3) + c20 (I1 - 3)^2, isochoric I1."""
+    """Deviatoric Kirchhoff stress of the Yeoh wall with the energy W = c10 (I1 - 3) + c20 (I1 - 3)^2.
+
+    I1 is the first invariant of the isochoric part of the deformation.
+    """
     b_bar = ufl.det(f) ** (-2.0 / 3.0) * f * f.T
     return 2 * (c10 + 2 * c20 * (ufl.tr(b_bar) - 3)) * ufl.dev(b_bar)
 
 
 def volumetric_stress(f, bulk):
-    """Kirchhoff pressure (positive in tension) of U = bulk/4 (J^2 - 1 - 2 ln J)."""
+    """Kirchhoff pressure (positive in tension) of the volumetric energy U = bulk/4 (J^2 - 1 - 2 ln J).
+
+    J is the determinant of the deformation gradient f.
+    """
     return 0.5 * bulk * (ufl.det(f) ** 2 - 1)
 
 
 def device_pressure(distance, radius, stiffness, cap, smoothing_mm=0.004, sqrt=ufl.sqrt):
     """Pressure (MPa) of a round device on a wall at distance d from its axis: smoothcap(k <R - d>).
 
-    R: free radius (mm); k: stiffness (MPa/mm); <x> is x if positive, else 0, smoothed over smoothing_mm.
-    smoothcap(p) = p c / (p^4 + c^4)^(1/4) tends to the cap c (MPa). sqrt: numpy.sqrt for arrays.
+    R: free radius (mm). k: stiffness (MPa/mm). <x> is x if positive, else 0, smoothed over smoothing_mm. smoothcap(p) =
+    p c / (p^4 + c^4)^(1/4) tends to the cap c (MPa). sqrt: square root that suits the arguments, numpy.sqrt for arrays.
     """
     gap = radius - distance
     p = stiffness * 0.5 * (gap + sqrt(gap**2 + smoothing_mm**2))

@@ -18,24 +18,25 @@ LOAD_NAMES = ("balloon_radius", "balloon_stiffness", "balloon_cap", "balloon_sha
     "stent_share",
     "pressure",
 )
-MAX_ITERATIONS = 14  # of Newton's method in one load step
-MOST_HALVINGS = 7  # the smallest part of a load step that is tried is 0.5**MOST_HALVINGS of it
-DIVERGENCE_FACTOR = 2.0  # Newton's method gives up if the residual exceeds that of the first iteration by this factor
+MAX_ITERATIONS = 14  # largest number of Newton's iterations in one load step
+MOST_HALVINGS = 7  # a load step is halved at most this many times
+DIVERGENCE_FACTOR = 2.0  # Newton's method gives up if the residual exceeds the first one by this factor
 
 
 class LoadSteppedModel:
     """The load stepping that slices and the solid in three dimensions share.
 
     The constructor of a subclass sets these attributes, then calls `_set_up_solver(residual)`:
+
     - u: displacement (fem.Function)
     - _constants: loads by name (fem.Constant)
-    - _plastic, _strain: plastic state at the quadrature points after the last load step, that is the `plastic_size`
-    components of Cp^-1 (see `laws`) and the equivalent plastic strain
+    - _plastic, _strain: plastic state at the quadrature points after the last load step. It consists of the
+    `plastic_size` components of Cp^-1 (see `laws`) and the equivalent plastic strain
     - _update: fem.Expression of the plastic state at the present displacement
     - _cells: cells on which `_update` is evaluated
 
-    Loads are a dict of LOAD_NAMES: the pressure laws of balloon and stent, each times a share from 0 to 1, and a
-    uniform pressure (MPa) for tests.
+    Loads are a dict of LOAD_NAMES. They are the parameters of the pressure laws of balloon and stent, a share from 0 to
+    1 by which each law is multiplied, and a uniform pressure (MPa) for tests.
     """
 
     plastic_size = 4
@@ -62,7 +63,8 @@ class LoadSteppedModel:
     def _create_loads(self, mesh, more=()):
         """Makes the constants of LOAD_NAMES and of the names `more`, without any load.
 
-        Stiffnesses and caps are 1, since the laws are evaluated even at share 0 and must be regular.
+        Stiffnesses and caps are 1 rather than 0. The laws are evaluated even at share 0, and a cap of 0 would divide by
+        0.
         """
         self._constants = {name: fem.Constant(mesh, 0.0) for name in (*LOAD_NAMES, *more)}
         self.set_loads(dict.fromkeys(("balloon_stiffness", "balloon_cap", "stent_stiffness", "stent_cap"), 1.0))
@@ -82,7 +84,10 @@ class LoadSteppedModel:
         return {name: float(constant.value) for name, constant in self._constants.items()}
 
     def _newton(self):
-        """Newton's method from the present displacement; returns whether it converged. Leaves the last iterate in u."""
+        """Newton's method from the present displacement; returns whether it converged.
+
+        The last iterate is left in u in either case.
+        """
         scale, first = 1.0, np.inf
         for iteration in range(MAX_ITERATIONS):
             with self._vector.localForm() as local:
@@ -121,7 +126,7 @@ class LoadSteppedModel:
     def _predicted_displacement(self, change):
         """Displacement expected from a change of the loads (array).
 
-        It is the last step's displacement, scaled, if the loads change in proportion to that step; otherwise 0.
+        If the loads change in proportion to the last step, it is that step's displacement, scaled. Otherwise it is 0.
         """
         if self._last_step is None:
             return 0.0

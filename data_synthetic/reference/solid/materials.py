@@ -1,16 +1,16 @@
 """Constants of the reference's tissues, with their sources and published ranges. None was fitted to the engine.
 
 No value is copied from a paper. The strength of calcified plaque (CALCIFIED) was identified: with it a stent's
-expansion falls with the calcium's arc as measured in patients. The engine's strength was identified by the same figure,
-so their agreement in it tests neither. Every other value is a choice within the range of the papers named, or its
-distance from that range is stated. Only abstracts of the papers were read, and the measured quantities are not always a
-model's constants. All stresses are in MPa. Plaque: neo-Hookean, multiplicative J2 plasticity with linear isotropic
-hardening. Wall: Yeoh.
+expansion falls with the calcium's arc as measured in patients. The engine's strength was identified by the same
+measurement, so an agreement of both in calcium tests neither. Every other value is a choice. It lies within the range
+of the papers named, or its distance from that range is stated. Only abstracts of the papers were read, and the measured
+quantities are not always a model's constants. All stresses are in MPa. Plaque: neo-Hookean, multiplicative J2
+plasticity with linear isotropic hardening. Wall: Yeoh.
 
-Check against whole coronary lesions, stretched by 1.15 both along the vessel and round it. Ghorbannia and LaDisa
-measured circumferential stresses of 0.067, 0.13 and 0.30 MPa, in lesions that a balloon opened well, less well, and
-hardly. At this stretch the fibrous plaque here carries 0.12 MPa (it yields), the wall 0.21, the lipid-rich plaque 0.01
-and the calcified 1.6 MPa (`biaxial_stress`).
+The constants were checked against whole coronary lesions, stretched by 1.15 both along the vessel and round it.
+Ghorbannia and LaDisa measured circumferential stresses of 0.067, 0.13 and 0.30 MPa, in lesions that a balloon opened
+well, less well, and hardly. At this stretch the fibrous plaque here carries 0.12 MPa (it yields), the wall 0.21, the
+lipid-rich plaque 0.01 and the calcified 1.6 MPa (`biaxial_stress`).
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,11 @@ from common import plaque_types
 
 @dataclass(frozen=True)
 class Plaque:
-    """shear_mpa: shear modulus; yield_mpa: initial uniaxial yield stress; hardening_mpa: slope of yield over strain."""
+    """Constants of a plaque, with their source in words.
+
+    shear_mpa: shear modulus. yield_mpa: initial uniaxial yield stress. hardening_mpa: slope of the yield stress over
+    the plastic strain.
+    """
 
     shear_mpa: float
     yield_mpa: float
@@ -96,7 +100,8 @@ SETTINGS_SOURCE = {
 def biaxial_stress(stretch, plaque=None, c10_mpa=0.0, c20_mpa=0.0):
     """In-plane Cauchy stress (MPa) of an incompressible sheet under equal biaxial stretch, of a Plaque or a Yeoh wall.
 
-    For a yielding plaque it follows from logarithmic strain: sigma = Y + H (2 ln stretch - sigma / (3 mu)).
+    The stress sigma of a yielding plaque follows from logarithmic strain: sigma = Y + H (2 ln stretch - sigma / (3
+    mu)), with the yield stress Y, hardening H and shear modulus mu.
     """
     if plaque is None:
         first = 2 * stretch**2 + stretch**-4 - 3

@@ -1,4 +1,4 @@
-"""The diseased branch for the solid models: places and types of the tissues round the lumen."""
+"""Places and types of the tissues round the lumen of the diseased branch, for the solid models."""
 
 import numpy as np
 
@@ -22,7 +22,8 @@ def material_constants(branch, s_mm, theta_rad, radius_mm):
     share = (
         0.5 * (1 - np.tanh((depth - thickness) / WALL_TRANSITION_MM)) * np.clip(thickness / WALL_TRANSITION_MM, 0, 1)
     )
-    # The sheet is in the outer half of the plaque: with an arc of calcium at the lumen the slice does not converge.
+    # Calcium is a sheet in the outer half of the plaque: with an arc of calcium at the lumen the slice does not
+    # converge.
     in_outer_half = 0.5 * (1 + np.tanh((depth - 0.5 * thickness) / CALCIUM_TRANSITION_MM))
     calcium = branch.calcium_share(s_mm, theta_rad) * in_outer_half
     types = branch.uncalcified_type(s_mm)

@@ -1,24 +1,30 @@
-"""Displacement of any point near the branch, from the slices' displacements of the lumen."""
+"""Displacement of any point near the branch, interpolated from the displacements of the lumen in the slices."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator, RegularGridInterpolator
 from scipy.spatial.distance import cdist
 
-FADE_DISTANCE_MM = 8.0  # distance from the lumen at which the displacement of points outside has fallen to 0
+FADE_DISTANCE_MM = 8.0  # distance from the lumen at which the displacement of the surroundings has fallen to 0
 CAP_FADE_MM = 2.0  # distance over which the displacement falls to 0 towards a cap of the vessel
-MEAN_FROM_MM = 0.3  # farther from the lumen than this, a displacement is a mean over several sections
-MEAN_WIDTH, MEAN_STEP_MM = 0.7, 0.2  # width of its weights per distance from the lumen; spacing of its sections
-LARGEST_EXPONENT, POINTS_AT_ONCE = 8.0, 2000  # sections of less weight than exp(-8) are left out; bounds the memory
-GRID_SPACING_MM, GRID_ANGLES = 0.1, 180  # grid of a span's displacement: spacing along the axis, intervals round it
+# Farther from the lumen than MEAN_FROM_MM a displacement is a weighted mean over several sections. The weights' width
+# is MEAN_WIDTH times the distance from the lumen. The sections are MEAN_STEP_MM apart.
+MEAN_FROM_MM = 0.3
+MEAN_WIDTH, MEAN_STEP_MM = 0.7, 0.2
+# Sections with a weight below exp(-LARGEST_EXPONENT) are left out. POINTS_AT_ONCE limits the memory.
+LARGEST_EXPONENT, POINTS_AT_ONCE = 8.0, 2000
+# Grid on which a span's displacement is stored: its spacing along the axis and number of intervals round it.
+GRID_SPACING_MM, GRID_ANGLES = 0.1, 180
 
 
 class SpanField:
     """Displacement of the lumen over arc length and angle within one span of slices.
 
-    s_mm (n,), theta_rad (m,) evenly from 0, displacement (n, m, 2) in mm along the section's normal and binormal.
-    Interpolation is by monotone cubics along s and periodic cubics round the axis. coupling_mm: length l of the
-    coupling along a cylindrical shell, which single slices lack; 0 for none. With it the field u solves
-    u + l^4/4 d^4u/ds^4 = u_slice with free ends. This smooths jumps and does not change a cubic.
+    s_mm (n,), theta_rad (m,): places, the angles evenly from 0. displacement (n, m, 2): in mm along the section's
+    normal and binormal. It is interpolated by monotone cubics along s and periodic cubics round the axis.
+
+    coupling_mm: a length l, 0 for no coupling. Single slices lack the bending of the wall along the vessel. So the
+    field is coupled along the axis as in a cylindrical shell: u solves u + l^4/4 d^4u/ds^4 = u_slice with free ends.
+    This smooths jumps and does not change a cubic.
     """
 
     def __init__(self, s_mm, theta_rad, displacement, coupling_mm=0.0):
@@ -34,7 +40,10 @@ class SpanField:
         self._grid = RegularGridInterpolator((fine_s, fine_theta), around(fine_theta))
 
     def displacement_at(self, s_mm, theta_rad):
-        """Displacement (k, 2) in mm at (s, theta), each (k,). Beyond an end of the span it is that at the end."""
+        """Displacement (k, 2) in mm at (s, theta), each (k,).
+
+        Beyond an end of the span it is the displacement at the end.
+        """
         s = np.clip(s_mm, self.first, self.last)
         return self._grid(np.stack([s, np.mod(theta_rad, 2 * np.pi)], axis=1))
 
@@ -100,9 +109,9 @@ def move_points(points_mm, branch, lumen, axis_s_mm, axis_shift_mm, fixed_ends):
     Points on the branch's lumen follow its LumenDeformation `lumen`. Points outside it, such as side branches, follow
     as incompressible tissue does: rho' = sqrt(rho^2 + r'^2 - r^2). Here rho is the distance from the axis, r the
     lumen's radius, and a prime means after the procedure. Their displacement falls to 0 over FADE_DISTANCE_MM from the
-    lumen. axis_s_mm (k,), axis_shift_mm (k, 3): displacement of the axis by straightening, added to the above.
-    fixed_ends: (centre (3,), radius mm) of the vessel's ends. Their caps stay, and the displacement falls to 0 within
-    CAP_FADE_MM.
+    lumen. axis_s_mm (k,), axis_shift_mm (k, 3): displacement of the axis by straightening, which is added. fixed_ends:
+    (centre (3,), radius mm) of the vessel's ends. Their caps stay, and within CAP_FADE_MM of them the displacement
+    falls to 0.
     """
     axis = branch.axis
     shift = CubicSpline(axis_s_mm, axis_shift_mm)
@@ -117,7 +126,7 @@ def move_points(points_mm, branch, lumen, axis_s_mm, axis_shift_mm, fixed_ends):
 
 
 def _displacement_from(points_mm, s_mm, branch, lumen, shift):
-    """Displacement (n, 3) in mm of points as the section at s_mm (n,) of the branch gives it.
+    """Displacement (n, 3) in mm of points (n, 3), as if each moved with the branch's section at its s_mm (n,).
 
     shift: spline of the axis's displacement by straightening.
     """
@@ -134,7 +143,7 @@ def _displacement_from(points_mm, s_mm, branch, lumen, shift):
     tissue = np.sqrt(np.maximum((r + gap) ** 2 + opened**2 - r**2, 1e-12)) - (r + gap)
     share = np.where(np.abs(outwards) > 1e-9, tissue / np.where(np.abs(outwards) > 1e-9, outwards, 1), 1.0)
     local = (share * u[:, 0])[:, None] * normal + (share * u[:, 1])[:, None] * binormal
-    # Inside the lumen (points of a cap's disc) the displacement scales with the distance from the axis.
+    # Inside the lumen lie points of a cap's disc. Their displacement scales with the distance from the axis.
     local *= np.clip(rho / np.maximum(r, 1e-9), 0, 1)[:, None]
     arm = offset + local
     arm *= np.minimum(1, opened / np.maximum(np.linalg.norm(arm, axis=1), 1e-9))[:, None]
@@ -143,10 +152,11 @@ def _displacement_from(points_mm, s_mm, branch, lumen, shift):
 
 
 def _turn_with_axis(vectors, tangent, slope):
-    """Vectors (n, 3) fixed to sections of a beam, after the beam's displacement of the given slope (n, 3).
+    """Vectors (n, 3) fixed to sections of a beam, after a displacement of the beam's axis with the given slope (n, 3).
 
-    A slender beam's sections stay perpendicular to its axis (Euler and Bernoulli). Sections that only shifted sideways
-    would be cut obliquely by the moved axis. Their lumen would be too narrow, and would fold in a sharp bend.
+    Sections of a slender beam stay perpendicular to its axis (Euler and Bernoulli), so they turn with it. If they only
+    shifted sideways, the moved axis would cut them obliquely. Their lumen would be too narrow, and would fold in a
+    sharp bend. tangent (n, 3): the axis's tangents before.
     """
     new = tangent + slope
     new /= np.linalg.norm(new, axis=1, keepdims=True)
@@ -158,11 +168,11 @@ def _turn_with_axis(vectors, tangent, slope):
 def _mean_displacement(points_mm, branch, lumen, shift):
     """(far (n,) bool, displacement (m, 3) in mm of the far points), means over sections of the branch.
 
-    Far are points away from the lumen by MEAN_FROM_MM to FADE_DISTANCE_MM. Inside a bend the nearest place on the axis
-    jumps from one limb to the other, and with it the displacement: a side branch there would be torn or folded. A
-    point feels a length of the vessel of about its distance, so the mean is over sections with the weights
-    exp(-(d^2 - d0^2) / (2 w^2)). d is the distance from the axis there, d0 the least, w MEAN_WIDTH times the distance
-    from the lumen.
+    Far points lie between MEAN_FROM_MM and FADE_DISTANCE_MM from the lumen. Inside a bend the nearest place on the axis
+    jumps from one limb to the other, and the displacement jumps with it. A side branch there would be torn or folded. A
+    point feels a length of the vessel of about its own distance. So its displacement is a mean over sections with the
+    weights exp(-(d^2 - d0^2) / (2 w^2)). d is the distance from the axis at the section, d0 the least d. w is
+    MEAN_WIDTH times the distance from the lumen.
     """
     axis = branch.axis
     s = np.linspace(0, axis.length_mm, int(axis.length_mm / MEAN_STEP_MM) + 2)

@@ -20,7 +20,8 @@ def check_not_folded(triangles, before, after):
     """
     a, b = _normals(before, triangles), _normals(after, triangles)
     cosine = np.sum(a * b, axis=1) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-30)
-    # A lesion's shoulders turn by up to 45 degrees when the lesion is opened; a triangle that turns over is a fold.
+    # When a lesion is opened, triangles on its shoulders turn by up to 45 degrees. Only a triangle that turns over is a
+    # fold.
     folded = np.flatnonzero(cosine < 0)
     if len(folded) > 1e-3 * len(triangles):
         place = np.round(before[triangles[folded[np.argmin(cosine[folded])]]].mean(axis=0), 2).tolist()
@@ -33,11 +34,11 @@ def check_not_folded(triangles, before, after):
 
 
 def refined_surface(poly, before, after, triangles, parents, old_triangle):
-    """vtkPolyData of the refined and moved lumen with all arrays of poly and `displacement_mm`.
+    """vtkPolyData of the refined and moved lumen, with all arrays of poly and `displacement_mm`.
 
     before, after (n, 3): all points before and after the move. parents (p, 2): ends of the edge that each new point
-    halves. old_triangle (m,): for each triangle, index of the triangle of poly in which it lies. At a new point a real
-    array has the mean of both ends of the edge, an integer array the value at the first end.
+    halves. old_triangle (m,): index of the triangle of poly in which each triangle lies. At a new point a real array
+    gets the mean of both ends of the edge. An integer array gets the value at the first end.
     """
     result = vtp.surface(after, triangles)
     data = poly.GetPointData()

@@ -1,4 +1,7 @@
-"""Finer triangles where the lumen is stretched. A throat with few edges would open into a polygon, not a circle."""
+"""Halves edges where the lumen is stretched.
+
+A throat with few edges round it would open into a polygon instead of a circle.
+"""
 
 import numpy as np
 
@@ -6,9 +9,9 @@ import numpy as np
 def split_edges(points, triangles, needs_split):
     """Splits edges at their middle, without cracks.
 
-    points (n, 3), triangles (m, 3). needs_split: function that says which edges, vertex pairs (k, 2), are to be split.
-    Returns (new triangles (q, 3), parents (p, 2), cell (q,)). New point n + i is the middle of the edge between the
-    points parents[i]. cell: index of the old triangle in which each new triangle lies.
+    points (n, 3), triangles (m, 3). needs_split: function that tells which edges, given as vertex pairs (k, 2), to
+    split. Returns (new triangles (q, 3), parents (p, 2), cell (q,)). New point n + i is the middle of the edge between
+    the points parents[i]. cell: index of the old triangle in which each new triangle lies.
     """
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     unique, inverse = np.unique(edges, axis=0, return_inverse=True)
@@ -40,9 +43,9 @@ def split_edges(points, triangles, needs_split):
 def refine_stretched(points, triangles, move, project_to_lumen, edge_mm, passes=4):
     """Halves edges that are longer than edge_mm after the move, if an end moves by more than 0.02 mm.
 
-    move: points (n, 3) -> moved (n, 3). project_to_lumen: (points (p, 3), parents (p, 2)) -> (p, 3) moves new points of
-    the wall onto the true lumen. passes: largest number of rounds in which edges are halved. Returns (points,
-    triangles, parents of all new points, old triangle of each new triangle).
+    move: function that takes points (n, 3) and returns them moved. project_to_lumen(points (p, 3), parents (p, 2)):
+    function that moves new points of the wall onto the true lumen. passes: largest number of rounds in which edges are
+    halved. Returns (points, triangles, parents of all new points, old triangle of each new triangle).
     """
     old_triangle = np.arange(len(triangles))
     all_parents = np.zeros((0, 2), int)

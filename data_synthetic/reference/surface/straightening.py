@@ -5,7 +5,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
 LARGEST_ELEMENT_MM = 0.25
-TANGENT_STEP_MM = 1e-3  # half the step of the central difference of the tangent
+TANGENT_STEP_MM = 1e-3  # half the step of the central difference that gives the curvature from tangents
 
 
 def wall_bending_n_mm2(inner_mm, outer_mm, wall_c10_mpa):
@@ -16,13 +16,13 @@ def wall_bending_n_mm2(inner_mm, outer_mm, wall_c10_mpa):
 def axis_displacement(branch, wall_mm, stents, middle_s_mm, settings):
     """Displacement of a branch's axis by its stents: (arc lengths (n,) mm, displacement (n, 3) mm).
 
-    It is that of `beam_displacement`.
+    It is computed by `beam_displacement`, with wall and surroundings as at middle_s_mm all along. settings: section
+    `reference`.
 
-    Wall and surroundings are taken as at middle_s_mm. settings: section `reference`. The surroundings resist the wall
-    with a pressure per displacement of 2 G / r_outer (see materials). For a cylinder moved sideways this resistance
-    varies as the cosine squared of the angle. Its integral round the cylinder is pi r_outer times as large, so the
-    support per length is 2 pi G. The exact value for a slender rod in an incompressible medium is the same within a
-    tenth, at the beam's wavelength.
+    The surroundings resist the wall with a pressure per displacement of 2 G / r_outer (see materials). For a cylinder
+    moved sideways this resistance varies as the cosine squared of the angle. Its integral round the cylinder is pi
+    r_outer times as large, so the support per length is 2 pi G. The exact value for a slender rod in an incompressible
+    medium is the same within a tenth, at the beam's wavelength.
     """
     outer = float(branch.healthy_radius(np.array(middle_s_mm))) + wall_mm
     foundation = np.pi * outer * settings["support_mpa_per_mm"]
@@ -44,8 +44,8 @@ def beam_displacement(axis, stents, vessel_bending_n_mm2, foundation_n_per_mm2, 
     w minimises the integral of E_s |c'' + w''|^2 + E_v |w''|^2 + k |w|^2 over s, where c is the axis before the stent.
     E_s is the bending stiffness of the stents at s, which are straight if free. E_v is the bending stiffness of the
     vessel, which is free of load in its shape c. k is the tissue's support per length. Displacements are small; axial
-    stretch is free. Cubic Hermite elements of at most step_mm have nodes at the stents' ends, so that the error falls
-    with the fourth power of step_mm.
+    stretch is free. The elements are cubic Hermite elements of at most step_mm, with nodes at the stents' ends. So the
+    error falls with the fourth power of step_mm.
     """
     s = _beam_nodes(axis.length_mm, stents, step_mm)
     if not stents:

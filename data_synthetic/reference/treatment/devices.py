@@ -7,19 +7,21 @@ import numpy as np
 from common.errors import InputError
 
 MPA_PER_BAR = 0.1
-# Hoop tension that opens a crimped stent, over that at the nominal diameter. Struts open by plastic bending at their
-# ends: the tension is 2 M / (l cos a), with M the plastic moment, l a strut's length and a its angle to the axis. For
-# 16 struts of 1 mm cos a falls from 0.98 to 0.81. M grows with the flow stress of L605: from its yield stress of
-# 476 MPa to about 890 MPa at a strain of 0.17, on the line to its true strength of 1449 MPa at 0.4. These figures are
-# usual in finite-element studies of stents; no paper is at hand.
+# Ratio of two hoop tensions: the one that opens the crimped stent over the one at the nominal diameter. Struts open by
+# plastic bending at their ends. The tension is 2 M / (l cos a), with the plastic moment M, a strut's length l and its
+# angle a to the axis. For 16 struts of 1 mm cos a falls from 0.98 to 0.81. M grows with the flow stress of L605: from
+# its yield stress of 476 MPa to about 890 MPa at a strain of 0.17, on the line to its true strength of 1449 MPa at 0.4.
+# These figures are usual in finite-element studies of stents; no paper is at hand.
 CRIMPED_TENSION_SHARE = 0.44
-LEAST_BALLOON_SHARE = 0.2  # of the inflation pressure is left for the wall where it does not open the stent
+# A balloon that cannot open the stent round it still presses on the wall with this share of its inflation pressure.
+LEAST_BALLOON_SHARE = 0.2
 
 
 @dataclass(frozen=True)
 class Balloon:
-    """An inflated balloon. radius_mm: free radius at its inflation pressure. cap_mpa: that pressure.
+    """An inflated balloon.
 
+    radius_mm: free radius at the inflation pressure. cap_mpa: inflation pressure, its largest pressure on the wall.
     stiffness_mpa_per_mm: pressure on the wall per mm by which the wall holds the balloon below its free radius.
     """
 
@@ -44,9 +46,10 @@ class Balloon:
 
 @dataclass(frozen=True)
 class Stent:
-    """A stent. After deflation of its balloon it holds recoil_share of the radius that was reached.
+    """A stent, which opens from the crimped to the nominal radius.
 
-    cap_mpa: its radial strength, the largest pressure on the wall. It opens from the crimped to the nominal radius.
+    recoil_share: share of the radius reached that it holds after deflation of its balloon. cap_mpa: radial strength,
+    its largest pressure on the wall.
     """
 
     name: str
@@ -61,7 +64,8 @@ class Stent:
     def opening_pressure_mpa(self, radius_mm):
         """Pressure inside the stent at which its rings yield and open further, by Laplace's law.
 
-        Their tension grows with the logarithm of the radius. At the nominal radius the pressure is the radial strength.
+        The rings' tension grows with the logarithm of the radius. At the nominal radius the pressure is the radial
+        strength.
         """
         radius = max(radius_mm, self.crimped_radius_mm)
         opened = np.log(radius / self.crimped_radius_mm) / np.log(self.nominal_radius_mm / self.crimped_radius_mm)
@@ -87,16 +91,20 @@ class Step:
     stent: Stent
 
     def free_radius(self, radius_mm, opened):
-        """Radius (mm) of the balloon's section in air. radius_mm: without a stent; opened: Stent round it, or None.
+        """Radius (mm) that the balloon reaches in air, inside the Stent `opened` or without one (None).
 
-        The chart of a delivery balloon holds with its stent. Any other balloon loses pressure to the stent.
+        radius_mm: radius by the balloon's chart. The chart of a delivery balloon was measured with its stent, so it
+        holds as it is. Any other balloon loses pressure to the stent.
         """
         if opened is None or opened is self.stent:
             return radius_mm
         return radius_mm - opened.opening_pressure_mpa(radius_mm) / self.balloon.stiffness_mpa_per_mm
 
     def cap_mpa(self, radius_mm, opened):
-        """Largest pressure (MPa) on the wall at a radius in mm of the lumen: what the Stent `opened` leaves of it."""
+        """Largest pressure (MPa) of the balloon on the wall, at a radius in mm of the lumen.
+
+        It is the inflation pressure without the part that opens the Stent `opened`.
+        """
         cap = self.balloon.cap_mpa
         return cap if opened is None else max(cap - opened.opening_pressure_mpa(radius_mm), LEAST_BALLOON_SHARE * cap)
 
@@ -124,8 +132,9 @@ def inflated_balloon(entry, name, centre_s_mm, pressure_bar, where):
             f"{pressure_bar} bar",
             f"between {pressures[0]} and {pressures[-1]} bar",
         )
-    # A wall that holds the balloon below its free diameter carries a part of the inflation pressure: the part beyond
-    # the chart's pressure at the diameter reached. So the stiffness is the slope of the chart over the last 2 bar.
+    # A wall that holds the balloon below its free diameter carries a part of the inflation pressure. This part is the
+    # excess over the chart's pressure at the diameter reached. So the stiffness is the slope of the chart over the last
+    # 2 bar.
     low = max(pressure_bar - 2.0, pressures[0])
     high = low + 2.0
     growth = np.interp(high, pressures, diameters) - np.interp(low, pressures, diameters)
@@ -143,8 +152,7 @@ def inflated_balloon(entry, name, centre_s_mm, pressure_bar, where):
 def procedure_steps(scene, where):
     """(branch name, [Step]) of a scene.
 
-    Raises InputError for several devices at a time or several branches, which plane-strain slices of one branch cannot
-    compute.
+    Raises InputError for several devices at a time, or several branches: slices of one branch cannot compute these.
     """
     found, branches = [], []
     for number, step in enumerate(scene["procedure"], start=1):

@@ -3,7 +3,7 @@
 import numpy as np
 
 DEFLATION_STEPS = 5  # load steps in which the balloon's pressure is replaced by the stent's
-CONTACT_GAP_MM = 0.1  # gap to the wall beyond which the smoothed law of a balloon gives no pressure
+CONTACT_GAP_MM = 0.1  # beyond this gap to the wall the smoothed pressure law of a balloon gives no pressure
 
 
 def transfer_to_stent(model, where):
@@ -17,8 +17,8 @@ def transfer_to_stent(model, where):
 def deflate(model, nearest_mm, step_mm, where):
     """Lowers the balloon's radius until it has left the wall, then removes the balloon.
 
-    Lowering its pressure instead does not work: below some pressure soft plaque in a stretched wall collapses, and no
-    load step is small enough. nearest_mm(): least distance (mm) of the lumen from the axis.
+    Lowering its pressure instead fails: below some pressure soft plaque in a stretched wall collapses, and no load step
+    is small enough. nearest_mm(): function that gives the least distance (mm) of the lumen from the axis.
     """
     radius = model.loads()["balloon_radius"]
     while model.loads()["balloon_share"] and radius > 0 and radius > nearest_mm() - CONTACT_GAP_MM:
@@ -37,7 +37,7 @@ def run_procedure(model, steps, s_mm, settings, stented, branch_name):
     history = []
     held_radius = 0.0
     model.set_loads({key: 0.0 for key in ("balloon_share", "stent_share", "pressure")})
-    # The laws are evaluated even at share 0, so their constants must be regular.
+    # The laws are evaluated even at share 0, and a cap of 0 would divide by 0.
     model.set_loads(dict.fromkeys(("balloon_radius", "stent_radius"), 0.0))
     model.set_loads(dict.fromkeys(("balloon_stiffness", "balloon_cap", "stent_stiffness", "stent_cap"), 1.0))
     stent = None
@@ -63,7 +63,8 @@ def run_procedure(model, steps, s_mm, settings, stented, branch_name):
                 model.advance({"balloon_radius": float(value), "balloon_cap": cap}, where)
         inflated = _lumen_radius(model)
         if stent:
-            # The stent is round the balloon, so it opens no further than the balloon's free radius, or than the lumen.
+            # The stent lies between balloon and lumen. So it opens no further than the balloon's free radius, or than
+            # the lumen.
             held_radius = max(held_radius, stent.recoil_share * min(inflated, radius))
             model.set_loads(
                 {
@@ -83,5 +84,5 @@ def run_procedure(model, steps, s_mm, settings, stented, branch_name):
 
 
 def _lumen_radius(model):
-    """Radius (mm) of the circle of the lumen's area."""
+    """Radius (mm) of the circle with the lumen's area."""
     return float(np.sqrt(model.lumen_area() / np.pi))

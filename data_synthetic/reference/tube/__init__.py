@@ -1,4 +1,4 @@
 """The branch as one solid in three dimensions: mesh, model, procedure.
 
-It uses the packages `solid` and `treatment`, and `slices.slice_positions()`. Only the package `checks` imports it.
+It imports the folders `solid` and `treatment`, and `slices.slice_positions()`. Only the folder `checks` imports it.
 """

@@ -14,19 +14,24 @@ LUMEN, OUTSIDE, ENDS = 1, 2, 3
 
 
 def _tensor_order():
-    """Offsets (27, 3) of the nodes of a quadratic hexahedron in the order of Basix, each 0, 1 or 2 half edges."""
+    """Places (27, 3) of the nodes of a quadratic hexahedron, in the order of Basix.
+
+    Each coordinate is 0, 1 or 2 half edges.
+    """
     corner = np.array([[v % 2, v // 2 % 2, v // 4] for v in range(8)]) * 2
     topology = basix.topology(basix.CellType.hexahedron)
     return np.array([corner[entity].sum(axis=0) // len(entity) for dim in topology for entity in dim])
 
 
 class Tube:
-    """Hexahedra between the rays of `tissue.inner_outer_radii`, nodes at stations x angles x depths.
+    """Mesh of hexahedra between the lumen and the outside. Its nodes lie at stations x angles x depths.
 
-    axis: Curve. inner_mm, outer_mm: (stations, 2 around) radii. station_s_mm (stations,): arc lengths of the planes of
-    nodes, odd in number, by turns at corners and middles of the elements. through: elements through the wall. Nodes are
-    numbered station by station, then by angle, then by depth. section_coordinates_mm (nodes, 3) holds their coordinates
-    (s, a, b), with a and b along the section's normal and binormal.
+    axis: Curve. inner_mm, outer_mm (stations, 2 around): radii from `tissue.inner_outer_radii`. station_s_mm
+    (stations,): arc lengths of the planes of nodes. Their number is odd, since corners and middles of the elements
+    alternate. through: number of elements through the wall.
+
+    Nodes are numbered station by station, then by angle, then by depth. section_coordinates_mm (nodes, 3) holds their
+    coordinates (s, a, b), with a and b along the section's normal and binormal.
     """
 
     def __init__(self, axis, station_s_mm, inner_mm, outer_mm, through):
@@ -56,7 +61,7 @@ class Tube:
         offsets = _tensor_order()
         found = []
         for k, i, j in itertools.product(range(0, stations - 1, 2), range(0, columns, 2), range(0, 2 * through, 2)):
-            # First direction along depth, second round, third along the axis: right-handed.
+            # The element's first direction is depth, the second round, the third along the axis: right-handed.
             depth, turn, along = (offsets + [j, i, k]).T
             found.append((along * columns + turn % columns) * self.rows + depth)
         return np.array(found, np.int64)
@@ -68,7 +73,10 @@ class Tube:
         return number
 
     def _tags(self, stations, columns):
-        """Facets on the lumen, the outside and the two ends, found by the numbers of their nodes."""
+        """dolfinx tags LUMEN, OUTSIDE and ENDS of the boundary facets.
+
+        A facet belongs to a boundary if all its nodes have numbers of that boundary.
+        """
         number = np.arange(len(self.points_mm)).reshape(stations, columns, self.rows)
         first, last = number[0].ravel(), number[-1].ravel()
         self.mesh.topology.create_connectivity(2, 3)

@@ -1,4 +1,4 @@
-"""A stretch of the vessel as a solid in three dimensions: the slices' tissues, support and device laws."""
+"""A stretch of the vessel as a solid in three dimensions, with the tissues, support and device laws of the slices."""
 
 import basix
 import numpy as np
@@ -12,16 +12,18 @@ from ..solid.load_stepping import LoadSteppedModel
 from .mesh import ENDS, LUMEN, OUTSIDE
 
 DEVICE_POSITIONS = ("balloon_centre", "balloon_half_length", "balloon_shoulder", "stent_start", "stent_end")
-ROLLER_MPA_PER_MM = 1e5  # support along the axis, so stiff that the end faces stay in their planes
+ROLLER_MPA_PER_MM = 1e5  # stiffness that holds the end faces along the axis, so that they stay in their planes
 
 
 class TubeModel(LoadSteppedModel):
     """Solid model of hexahedra of degree 2 in displacements. The volumetric part is integrated with 2 x 2 x 2 points.
 
-    tube: Tube; axis: Curve; material: function of s, theta, radius, each (n,), that returns (share of plaque, shear,
-    yield, hardening in MPa); settings: section `reference`. Loads besides LOAD_NAMES: DEVICE_POSITIONS (mm), the places
-    of balloon and stent. The stent acts on the material points of its span. The devices are on the lumen's axis at
-    rest. A point's distance from them and its arc length are measured in the frame of its section at rest.
+    tube: Tube. axis: Curve. material(s, theta, radius): function of (n,) arrays that returns (share of plaque, shear,
+    yield, hardening in MPa). settings: section `reference`.
+
+    Besides LOAD_NAMES the loads have DEVICE_POSITIONS (mm), the places of balloon and stent. The stent acts on the
+    material points of its span. The devices lie on the lumen's axis at rest. A point's distance from them and its arc
+    length are measured in the frame that its section has at rest.
     """
 
     plastic_size = 6

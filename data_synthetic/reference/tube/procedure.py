@@ -1,4 +1,7 @@
-"""The steps of a procedure in the three-dimensional solid. treatment.procedure does the same steps in one slice."""
+"""Does the steps of a procedure in the three-dimensional solid.
+
+treatment.procedure does the same steps in one slice.
+"""
 
 import sys
 
@@ -24,7 +27,10 @@ def enclosed_area(a_mm, b_mm):
 
 
 def station_positions(breaks_mm, element_mm):
-    """Arc lengths of corners and middles of elements of about element_mm, with a corner at each of breaks_mm."""
+    """Arc lengths of corners and middles of elements of about element_mm.
+
+    There is a corner at each of breaks_mm.
+    """
     found = [np.array([breaks_mm[0]])]
     for a, b in zip(breaks_mm[:-1], breaks_mm[1:]):
         count = 2 * max(int(np.ceil((b - a) / element_mm)), 1)
@@ -33,10 +39,10 @@ def station_positions(breaks_mm, element_mm):
 
 
 class TreatedTube:
-    """The stretch of a Patient that the steps of a procedure reach, as a solid. After `run`, see `area_profile`.
+    """The stretch of a Patient that the steps of a procedure reach, as a solid.
 
-    mesh: (elements round the lumen, elements through the wall, element length in mm). Raises InputError unless the
-    steps have exactly one stented stretch.
+    `run` does the steps; `area_profile` then gives the result. mesh: (elements round the lumen, elements through the
+    wall, element length in mm). Raises InputError unless the steps have exactly one stented stretch.
     """
 
     def __init__(self, patient, steps, settings, mesh):
@@ -91,7 +97,7 @@ class TreatedTube:
             self._print_progress(step.name, "deflated")
 
     def _inflate(self, model, step, stent):
-        """Inflates the step's balloon, inside the Stent or None."""
+        """Inflates the step's balloon, inside the Stent `stent` or without one (None)."""
         balloon, radius = step.balloon, step.free_radius(step.balloon.radius_mm, stent)
         self._balloon_stations = np.abs(self.tube.station_s_mm - balloon.centre_s_mm) < 0.5 * balloon.length_mm
         start = max(self._least_radius_mm() - 0.05, 0.0)
@@ -127,15 +133,16 @@ class TreatedTube:
         return float(np.linalg.norm(self._lumen_positions()[self._balloon_stations][..., 1:], axis=2).min())
 
     def area_profile(self):
-        """(arc length (stations,) mm of the moved stations, area (stations,) mm2) of the lumen."""
+        """(arc lengths (stations,) mm, areas (stations,) mm2) of the lumen at the moved stations."""
         moved = self._lumen_positions()
         return self.tube.station_s_mm + moved[..., 0].mean(axis=1), enclosed_area(moved[..., 1], moved[..., 2])
 
 
 def _extend_beyond_stent(held, inside):
-    """The values (stations,) with those outside the stent replaced by that of the nearest stented station.
+    """The radii `held` (stations,), with those outside the stent replaced by the nearest one inside it.
 
-    Nothing is held outside the stent. But between its last station and the next one the radius is interpolated.
+    The stent holds nothing outside its ends. But the model interpolates between its last station and the next one,
+    where a radius of 0 would narrow the stent's end.
     """
     at = np.flatnonzero(inside)
     return held[np.clip(np.arange(len(held)), at[0], at[-1])]

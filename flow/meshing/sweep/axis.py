@@ -4,7 +4,8 @@ import numpy as np
 
 from flow.geometry.vectors import dot, unit
 
-# Length, in radii of the cap, over which section planes turn from the cap's plane to be perpendicular to the axis.
+# Section planes turn from the plane of a cap until they are perpendicular to the axis over this length, in radii of the
+# cap.
 BLEND_RADII = 2.5
 
 
@@ -25,7 +26,7 @@ class Axis:
         self.branch, self.first, self.last = branch, first, last
         self.points = points
         self.s_mm = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-        # s_mm of the branch is kept; its polyline may be slightly shorter
+        # the branch keeps its own s_mm, though its polyline may be slightly shorter
         own = len(branch.points)
         self.s_mm = np.concatenate(
             [branch.s_mm - branch.s_mm[0], branch.length_mm + self.s_mm[own:] - self.s_mm[own - 1]]

@@ -66,9 +66,9 @@ def _ring_triangles(k, first):
 def _split_outer_ring(layers, vertices, triangles, outermost):
     """(vertices, triangles) of the disc with its outermost ring split into `layers` layers.
 
-    The triangles of the outermost ring become those of the innermost layer: its outer circle moves inwards, and further
-    circles are added outside. Each quadrilateral of the other layers is split into two triangles. outermost: number of
-    the first vertex of the outermost circle.
+    The triangles of the outermost ring become those of the innermost layer, since its outer circle moves inwards.
+    Further circles are added outside it. Each quadrilateral of the other layers is split into two triangles. outermost:
+    number of the first vertex of the outermost circle.
     """
     rim, rest = vertices[outermost:], vertices[:outermost]
     around, inner = len(rim), rest[-1][0]

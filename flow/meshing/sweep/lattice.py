@@ -16,18 +16,18 @@ from flow.geometry import tet10
 from flow.geometry.vectors import cosines_and_sines
 from flow.meshing.sweep import axis as axis_module
 
-REACH_RADII = 2.5  # a section is cut from the wall facets within this many radii of the branch from its centre
-LARGEST_ASPECT = 3.0  # largest ratio of the radii of one section; others are not swept
-# The next three are used in ring_radii. LARGEST_JET_SHARE limits the jet's radius over the vessel's. GRADING says how
-# much the rings within the jet narrow towards its edge. LAST_RING is the place of the last ring but one, as a share of
-# the way from the jet's edge to the wall. Both have a value for up to three rings and one for four. They were fitted to
-# the error of FFR at a stenosis of 62 %: -.0002 with three rings (-.0005 with the second values), +.0007 with four
-# (+.0010 with a LAST_RING of 1 / 3).
+REACH_RADII = 2.5  # a section is cut only from wall facets within this many branch radii of its plane's origin
+LARGEST_ASPECT = 3.0  # largest ratio of largest to smallest radius in a section that is swept
+# Constants of ring_radii. LARGEST_JET_SHARE limits the jet's radius over the vessel's. GRADING says how much the rings
+# within the jet narrow towards its edge. LAST_RING is where the last ring but one ends, as a share of the way from the
+# jet's edge to the wall. The last two have a value for up to three rings and one for four. They were fitted to the
+# error of FFR at a stenosis of 62 %. It is -.0002 with three rings (-.0005 with the second values), and +.0007 with
+# four (+.0010 with a LAST_RING of 1 / 3).
 LARGEST_JET_SHARE = 0.82
 GRADING, LAST_RING = (0.3, 0.5), (1 / 3, 1 / 2)
 # With more than FITTED_RINGS rings the share SHARE_IN_JET of them lies within the jet, so that more rings make a mesh
-# finer everywhere. With as many rings outside the jet as 4 rings have there, 6 rings had an error of FFR of +.0003
-# instead of +.0001, and 10 rings left every tenth curved edge straight. FINE_GRADING takes the place of GRADING.
+# finer everywhere. FINE_GRADING then replaces GRADING. With as few rings outside the jet as in a mesh of 4 rings, the
+# error of FFR was +.0003 instead of +.0001 on 6 rings, and on 10 rings every tenth curved edge was left straight.
 FITTED_RINGS, SHARE_IN_JET, FINE_GRADING = 4, 2 / 3, 0.3
 CURVING_EXPONENT = (
     3  # the middle of an edge is moved from its straight to its curved place by the share rho^CURVING_EXPONENT
@@ -58,8 +58,8 @@ class Lattice:
 class Sections:
     """Cross-sections at the arc lengths s_mm (m,) of an axis (meshing.sweep.axis.Axis).
 
-    `sections` are section.Section, None where the plane cuts no single loop of wall. caps: region ids of the caps that
-    are the first and the last section, or None.
+    `sections` are section.Section, or None where the plane does not cut the wall in a single loop. caps: region ids of
+    the caps whose rims are the first and the last section, or None.
     """
 
     def __init__(self, slicer, axis, s_mm, caps=(None, None)):
@@ -100,10 +100,10 @@ class Sections:
 def ring_radii(rho, rings, jet_share):
     """Distances from the centre over the section's radius, (m, n), for points of the disc at rho (n,).
 
-    jet_share (m,): the jet's radius over the vessel's at each level; larger values than LARGEST_JET_SHARE are replaced
-    by it. With up to FITTED_RINGS rings all but the outer one and a half lie within the jet, and get narrower towards
-    its edge by GRADING. The last ring but one ends at the share LAST_RING of the way from the jet's edge to the wall.
-    With more rings two thirds of them lie within the jet; the others are equally wide.
+    jet_share (m,): the jet's radius over the vessel's at each level; it is limited to LARGEST_JET_SHARE. With up to
+    FITTED_RINGS rings all but the outer one and a half lie within the jet. There they get narrower towards the jet's
+    edge by GRADING. The last ring but one ends at the share LAST_RING of the way from the jet's edge to the wall. With
+    more rings two thirds of them lie within the jet; the others are equally wide.
     """
     if rings > FITTED_RINGS:
         inner, grading = np.floor(SHARE_IN_JET * rings) / rings, FINE_GRADING
@@ -120,8 +120,8 @@ def ring_radii(rho, rings, jet_share):
 def build(sections, disc, jet_share):
     """Lattice of `disc` in `sections` at 2 K + 1 levels, of which every second one is a station.
 
-    jet_share (2 K + 1,): radius of the jet over the vessel's at each level, 1 without a jet. None if a section is not
-    ok (`Sections.radii`).
+    jet_share (2 K + 1,): radius of the jet over the vessel's at each level, 1 without a jet. Returns None if a section
+    is not ok (`Sections.radii`).
     """
     rays = len(disc.rim)
     angles = np.pi * np.arange(2 * rays) / rays
@@ -137,8 +137,8 @@ def build(sections, disc, jet_share):
     level = per_level * np.arange(stations - 1)[:, None, None]
     i, j, k = np.sort(disc.triangles, axis=1).T
     up = per_level
-    # each quadrilateral side of a prism is cut from its smaller vertex number at the lower station to the larger one at
-    # the upper station, so that neighbouring prisms agree
+    # The diagonal of a prism's side runs from the smaller vertex number at the lower station to the larger one at the
+    # upper station. So neighbouring prisms cut their common side in the same way.
     split = [[i, j, k, k + up], [i, j, j + up, k + up], [i, i + up, j + up, k + up]]
     tetrahedra = np.concatenate([(level + np.stack(four, axis=1)).reshape(-1, 4) for four in split])
     a, b = disc.rim, np.roll(disc.rim, -1)
@@ -166,7 +166,7 @@ def build(sections, disc, jet_share):
 
 
 def inverted_gaps(lattice, disc):
-    """Numbers (k,) of the gaps between stations that hold a turned-over tetrahedron, which overlaps its neighbours.
+    """Numbers (k,) of the gaps between stations in which a tetrahedron is turned over and overlaps its neighbours.
 
     A tetrahedron is turned over if its volume has another sign than in the lattice of a straight tube.
     """

@@ -1,8 +1,9 @@
 """Cross-sections of the lumen's smooth surface: radius by angle around a centre in a plane.
 
 A plane cuts the wall's facets in a loop of segments. A ray with direction e from the centre hits the loop at radius r,
-on a facet with normal n. There the quadratic patch of the facet (geometry.smooth_surface) lies off the facet by the
-vector d. So the ray meets the smooth surface at r + (d.n) / (e.n), up to terms of second order in d.
+on a facet with normal n. The smooth surface over the facet (geometry.smooth_surface) is a quadratic patch, which lies
+off the facet by the vector d at this place. So the ray meets the smooth surface at r + (d.n) / (e.n), up to terms of
+second order in d.
 """
 
 import numpy as np
@@ -20,8 +21,8 @@ NEXT_CORNER = np.array([1, 2, 0])
 class Section:
     """One cross-section: a closed loop of segments (m, 2, 2) in mm in its plane, counter-clockwise about `origin`.
 
-    The plane has the point origin (3,) and the unit vectors e1, e2 (3,). `centre` is the loop's centroid. facing
-    (m, 3), owner (m,): unit normal and number of each segment's facet. Two functions take segment numbers (k,) and
+    The plane has the point origin (3,) and the unit vectors e1, e2 (3,). `centre` is the loop's centroid. facet_normals
+    (m, 3), facets (m,): unit normal and number of each segment's facet. Two functions take segment numbers (k,) and
     places t (k,) from 0 to 1 on them. offset(segment, t) gives the vectors (k, 3) in mm from facet to smooth surface,
     normal_at(segment, t) the unit normals (k, 3) of the smooth surface.
     """
@@ -39,7 +40,7 @@ class Section:
     def radii(self, angles):
         """(radius (k,) in mm, facet (k,), unit normals (k, 3)) at `angles` (k,) in rad.
 
-        None where the loop is not star-shaped about its centre, or a ray meets a facet at a grazing angle.
+        Returns None where the loop is not star-shaped about its centre, or a ray meets a facet at a grazing angle.
         """
         direction = np.stack(cosines_and_sines(angles), axis=1)
         a, b = self.segments[:, 0], self.segments[:, 1]
@@ -79,7 +80,7 @@ class Slicer:
     def cut_section(self, origin, normal, e1, e2, reach):
         """Section by the plane through `origin` with the unit vectors normal, e1, e2.
 
-        None where no single loop of wall facets within `reach` mm surrounds `origin`.
+        Returns None unless exactly one loop of wall facets within `reach` mm surrounds `origin`.
         """
         near = self.wall[np.sort(self.facet_tree.query_ball_point(origin, reach)).astype(int)]
         height = dot(self.surface.points[self.surface.triangles[near]] - origin, normal)
@@ -96,7 +97,7 @@ class Slicer:
             k = np.argmax(which, axis=1)
             rows = np.arange(len(crossed))
             p, q = corners[rows, k], corners[rows, NEXT_CORNER[k]]
-            # the smaller vertex first, so that both facets of an edge get the same bits
+            # the smaller vertex comes first, so that both facets of an edge get the same bits
             low, high = np.minimum(p, q), np.maximum(p, q)
             ends_at = height[rows, k], height[rows, NEXT_CORNER[k]]
             at_low, at_high = np.where(p == low, ends_at, ends_at[::-1])
@@ -156,7 +157,7 @@ class Slicer:
 
 
 def _loop_around_origin(flat, edge_ids):
-    """Which segments (m,) bool form the only loop that winds once around the origin; None unless there is one.
+    """Which segments (m,) bool form the loop that winds once around the origin; None unless there is exactly one.
 
     flat (m, 2, 2): the segments in the plane; edge_ids: the surface's edges on which they start (m,) and end (m,).
     """

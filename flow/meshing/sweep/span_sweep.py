@@ -8,9 +8,9 @@ import numpy as np
 from flow.geometry.jet import jet_radius
 from flow.meshing.sweep import lattice, spans, stations
 
-SAMPLING_RADII = 0.2  # distance in radii of the sample sections that tell where a branch can be swept
+SAMPLING_RADII = 0.2  # distance in radii of the sample sections that show where a branch can be swept
 SHEAR_SPREAD = 0.03  # mm by which the radius of a jet grows per mm along the branch
-MOST_REFINEMENTS = 3  # how often further stations are put halfway between two with turned-over tetrahedra between them
+MOST_REFINEMENTS = 3  # most rounds in which a station is added between two with turned-over tetrahedra between them
 
 
 @dataclasses.dataclass
@@ -18,7 +18,7 @@ class Span:
     """A swept stretch of a branch, from start_mm to end_mm along its Axis.
 
     caps: region ids of the inlet or outlet caps at its two ends, or None; lattice: lattice.Lattice, None before
-    `sweep_span`; sections: lattice.Sections; stations: their number.
+    `sweep_span`; sections: lattice.Sections; stations: number of stations.
     """
 
     axis: object
@@ -30,14 +30,15 @@ class Span:
     stations: int = 0
 
     def s_at_end(self, which):
-        """Arc length in mm of its first (0) or last (1) end."""
+        """Arc length in mm of the span's first (0) or last (1) end."""
         return (self.start_mm, self.end_mm)[which]
 
 
 def find_spans(surface, tree, slicer, disc):
     """[Span] of all branches of the tree, not swept yet.
 
-    Every sample section of a span is star-shaped and clear of other branches. slicer: section.Slicer of `surface`.
+    Every sample section of a span is clear of other branches, and star-shaped unless it is very near to a cap. slicer:
+    section.Slicer of `surface`.
     """
     angles = np.pi * np.arange(2 * len(disc.rim)) / len(disc.rim)
     found = []
@@ -48,7 +49,8 @@ def find_spans(surface, tree, slicer, disc):
         if len(inner) < 2:
             continue
         _, ok, _, _ = lattice.Sections(slicer, axis, inner).radii(angles)
-        # so near to a cap its rim may cut the sample sections, but the sweep uses the rim itself as its end section
+        # This near to a cap, the cap's rim may cut a sample section. That does not matter: the sweep's end section is
+        # the rim.
         near_cap = np.zeros(len(s), bool)
         near_cap |= (axis.cap_ids[0] is not None) & (s <= 0.5 * axis.radius(0.0))
         near_cap |= (axis.cap_ids[1] is not None) & (axis.length_mm - s <= 0.5 * axis.radius(axis.length_mm))

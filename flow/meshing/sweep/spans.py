@@ -36,7 +36,8 @@ def branch_axes(surface, tree):
 def clear_of_others(axis, tree, s_mm):
     """Whether the section at each s_mm (m,) keeps clear of all other branches, (m,) bool.
 
-    A branch counts as the union of its inscribed spheres, those of a side branch from where it has left its parent.
+    Another branch counts as the union of its inscribed spheres. If it is a side branch of this one, it counts only from
+    where it has left this one.
     """
     branch = axis.branch
     origins, normals = axis.planes(s_mm)

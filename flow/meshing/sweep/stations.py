@@ -2,22 +2,24 @@
 
 import numpy as np
 
-# The healthy radius at s is the smaller of two radii: the largest within this distance upstream, and downstream.
+# The largest radius within this distance is found upstream and downstream of a place. The smaller of the two is the
+# healthy radius there.
 NEIGHBOURHOOD_MM = 20.0
 # Shares of the healthy radius: a vessel is a throat up to THROAT_SHARE, and plain, without a narrowing, from
 # HEALTHY_SHARE on.
 THROAT_SHARE, HEALTHY_SHARE = 0.75, 0.95
-# mm by which the distance of sections may grow per mm upstream of a throat and behind it, times setting stations_plain.
+# Growth of the distance of sections before a throat and behind it, in mm per mm, for setting stations_plain = 1.
 GROWTH_BEFORE, GROWTH_BEHIND = 0.3, 0.06
 LARGEST_TURN_RAD = 0.35  # rad: largest turn of the axis from one section to the next
-STEP_MM = 0.05  # step of the numerical integration along the axis that places the sections
+STEP_MM = 0.05  # step of the numerical integration along the axis by which the sections are placed
 
 
 def station_spacing(branch, settings, s_mm):
     """Wanted distance in mm between sections at arc lengths s_mm (n,) of a branch.
 
     Let R be the radius at a point and q its fraction of the healthy radius. The distance is R times `stations_throat`
-    for q <= 0.75 and R times `stations_plain` for q >= 0.95. Behind a throat it grows slowly along the jet.
+    for q <= 0.75 and R times `stations_plain` for q >= 0.95, but less in a bend. Behind a throat it grows slowly along
+    the jet.
     """
     radius = branch.radius_mm
     share = np.clip((healthy_share(branch) - THROAT_SHARE) / (HEALTHY_SHARE - THROAT_SHARE), 0, 1)

@@ -1,4 +1,4 @@
-"""The lumen's wall between the spans: the part that no span sweeps, joined to the spans' end rings.
+"""The lumen's wall between the spans: the part that no span replaces, joined to the spans' end rings.
 
 The wall facets that a span replaces are cut away. A strip of triangles then joins the border of the remaining facets to
 the ring of wall vertices at the span's end.
@@ -11,8 +11,8 @@ from scipy.sparse.csgraph import connected_components
 from flow.geometry.surface import WALL, facets_at_edges, border_edges
 from flow.geometry.vectors import dot
 
-CLEARANCE_EDGES = 0.5  # least distance of a remaining facet from the plane of a span's end, in mean edges of the facet
-NEAR_RADII = 2.5  # facets further than this many radii from the centre of a span's end do not belong to this end
+CLEARANCE_EDGES = 0.5  # least distance of a remaining facet from a span's end plane, in mean edge lengths of the facet
+NEAR_RADII = 2.5  # only facets within this many radii of the centre of a span's end can stop the cut there
 LEAST_COSINE = 0.5  # a triangle folds if the cosine of the angle between its normal and the smooth surface's is less
 FOLD_PENALTY = 1e4  # badness (see _badness) added to a triangle that folds; an equilateral triangle has a badness of 1
 
@@ -28,9 +28,9 @@ class StitchError(Exception):
 def replaced_facets(surface, side, spans):
     """Which facets (m,) bool of the surface the spans replace. side: `surface.edges()[1]`; spans: [hybrid.SpanCut].
 
-    They are all facets that are connected with those of a span's wall points, up to the planes of its ends. Where such
-    a plane grazes the wall of the parent, no facet clear of it stops the cut, and the cut runs on along this wall to
-    other spans. Raises StitchError with the ends of such spans, which have to move.
+    A span replaces the facets of its wall points and all facets connected with them, up to the planes of its ends.
+    Where such a plane grazes the wall of the parent, no facet lies clear beyond it. Then nothing stops the cut, and it
+    runs on along this wall to other spans. Raises StitchError with the ends of such spans, which have to move.
     """
     replaced = np.zeros(len(surface.triangles), bool)
     pairs = facets_at_edges(side)
@@ -74,10 +74,9 @@ class SpanEnd:
 
 
 def trim_ears(surface, replaced, wall):
-    """`replaced` (m,) bool with more wall facets: those left with two or three sides on the border, until there is
-    none.
+    """`replaced` (m,) bool with all ears added: wall facets left with two or three sides on the border.
 
-    wall (m,) bool: facets of the wall.
+    Ears are added until there is none. wall (m,) bool: facets of the wall.
     """
     _, side = surface.edges()
     replaced = replaced.copy()
@@ -170,7 +169,7 @@ def build_strips(points, normals, kept, ends):
     if borders is None:
         raise StitchError("a loop touches itself", keys)
     centres = np.array([points[loop].mean(axis=0) for loop in borders])
-    # there is no loop at all where the cuts took all of the wall (see replaced_facets)
+    # if the cuts took all of the wall (see replaced_facets), there is no loop
     nearest = [int(np.argmin(np.linalg.norm(centres - end.centre, axis=1))) for end in ends if borders]
     shared = [key for key, loop in zip(keys, nearest) if nearest.count(loop) > 1]
     if shared or len(borders) != len(ends):
@@ -178,7 +177,7 @@ def build_strips(points, normals, kept, ends):
     result = {}
     for end, place in zip(ends, nearest):
         loop = borders[place]
-        # zipper needs both to run the same way round about the axis
+        # strip_between needs both to run the same way round about the axis
         ring = (
             end.ring
             if _runs_counterclockwise(points[loop], end) == _runs_counterclockwise(points[end.ring], end)

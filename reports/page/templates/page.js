@@ -1,4 +1,4 @@
-/* Marks the section in view in the navigation, opens what is folded for print, and starts the 3-D viewer. */
+/* Marks the section in view in the navigation, opens folded sections for print, and starts the 3-D viewer. */
 (function () {
   "use strict";
 
@@ -19,7 +19,7 @@
     document.querySelectorAll("details").forEach((item) => { item.open = true; });
   });
 
-  /* What a link leads to is opened if it is folded; a browser opens only what it is within. */
+  /* Opens a folded section that a link leads to. A browser opens only the sections round the link's target. */
   function openTarget() {
     const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
     if (target instanceof HTMLDetailsElement) target.open = true;
@@ -28,6 +28,6 @@
   openTarget();
 
   const viewer = document.querySelector(".viewer");
-  const stage = viewer && window.vciStage();  // null without WebGL: the picture stays
+  const stage = viewer && window.vciStage();  // null without WebGL: then the page keeps its still picture
   if (stage) stage.show(viewer);
 })();

@@ -1,14 +1,14 @@
-/* The one canvas: draws the panes of the case in view, turns them together, reads values under the pointer. */
+/* The viewer's canvas: draws the panes, turns them together, and shows the values under the pointer. */
 (function () {
   "use strict";
 
   const INNER_COLOUR = 0xb5473c;
-  const TURN = Math.PI / 18;  // of an arrow key
-  const ZOOM = 1.2;  // of a key or button
-  const NEAREST_MM = 2, FARTHEST_MM = 1000;  // of the camera from the middle: within the clipping planes
+  const TURN = Math.PI / 18;  // radians for one press of an arrow key
+  const ZOOM = 1.2;  // factor of the distance for one press of a key or button
+  const NEAREST_MM = 2, FARTHEST_MM = 1000;  // limits of the camera's distance, between the clipping planes
   const TURNS = { ArrowLeft: [-TURN, 0], ArrowRight: [TURN, 0], ArrowUp: [0, -TURN], ArrowDown: [0, TURN] };
-  const ZOOMS = { "+": 1 / ZOOM, "=": 1 / ZOOM, "-": ZOOM, "−": ZOOM };  // = is + without the shift key
-  // Colours as the legend has them: no conversion of what is given, nor of what is drawn.
+  const ZOOMS = { "+": 1 / ZOOM, "=": 1 / ZOOM, "-": ZOOM, "−": ZOOM };  // "=" is "+" without the shift key
+  // No conversion of colours, neither of the given nor of the drawn ones: the wall must have the legend's colours.
   THREE.ColorManagement.enabled = false;
 
   class Stage {
@@ -30,7 +30,7 @@
       tick();
     }
 
-    /* Moves the canvas to a case. */
+    /* Shows a case: puts the canvas into its element. */
     show(element) {
       if (this.view && this.view.element === element) return;
       if (this.view) this.view.stage.classList.remove("live");
@@ -55,7 +55,7 @@
       return view;
     }
 
-    /* Controls for the current case; they keep the camera where the user left it. */
+    /* Makes the mouse controls for the case shown. They keep the camera where the user left it. */
     attachControls() {
       if (this.controls) this.controls.dispose();
       const view = this.view;
@@ -78,7 +78,7 @@
       this.refit();
     }
 
-    /* Draws. The whole vessel is shown until the user has moved it. */
+    /* Draws. Fits the whole vessel into the panes, unless the user has moved the camera. */
     refit() {
       if (this.view.isFitted()) this.resetView();
       else this.draw();
@@ -98,10 +98,10 @@
       else if (zoom) this.zoom(zoom);
       else if (event.key === "0") this.resetView();
       else return;
-      event.preventDefault();  // the page does not scroll as well
+      event.preventDefault();  // otherwise the page would scroll as well
     }
 
-    /* Turns the vessel, as a drag to the right or downwards does, by angles in radians. */
+    /* Turns the vessel like a drag to the right and downwards. right, down: angles in radians. */
     turn(right, down) {
       const { camera } = this.view, { target } = this.controls;
       const eye = camera.position.clone().sub(target);
@@ -150,7 +150,7 @@
       });
     }
 
-    /* The other lumen as a solid body, where one is shown inside the other. */
+    /* The inner lumen as an opaque body, if one lumen is shown inside the other; else null. */
     innerMesh(view, shown) {
       const name = view.innerState();
       return name && name !== shown ? new THREE.Mesh(view.states[name].shape, this.innerMaterial) : null;

@@ -1,13 +1,13 @@
-/* The 3-D viewer. One WebGL canvas serves all cases: browsers allow only a few, so it moves to the case in view. */
+/* The lumens of a case for the 3-D viewer: unpacks geometry and values, colours the walls, places the panes. */
 (function () {
   "use strict";
 
   const QUANTISATION_STEPS = 65535;
   const DEVICE_COLOUR = 0x2b2b33;
   const PLAIN_COLOUR = 0xb5473c;
-  const OVERLAY_OPACITY = 0.4;  // the outer wall, when a lumen is shown inside it
-  const NEUTRAL = [0.75, 0.75, 0.75];  // where there is no value
-  // What the wall can be coloured by. beyond: what the limit of the colours means; none: where there is no value.
+  const OVERLAY_OPACITY = 0.4;  // opacity of the outer wall, if a lumen is shown inside it
+  const NEUTRAL = [0.75, 0.75, 0.75];  // colour where there is no value
+  // Values that can colour the wall. beyond: what it means to exceed the limit. none: which walls have no value.
   const FIELDS = {
     ffr: { name: "FFR", digits: 2, none: "a lumen without computed flow" },
     diameter: { name: "Diameter (mm)", digits: 1 },
@@ -37,7 +37,7 @@
     });
   }
 
-  /* Sums of differences, modulo the range of the array. */
+  /* Undoes the differences of geometry.py: running sums, modulo the range of the array's type. */
   function cumulativeSums(array) {
     for (let k = 1; k < array.length; k++) array[k] += array[k - 1];
     return array;
@@ -48,7 +48,7 @@
     return Float32Array.from(array, (v) => low + (v / QUANTISATION_STEPS) * (high - low));
   }
 
-  /* Values at points; nan where there is none. */
+  /* Values at points; NaN where geometry.py had no value. */
   function unpackValues(text, low, high) {
     const steps = unpack(text, 1, 2)[0];
     return dequantised(steps, low, high).map((value, k) => (steps[k] === QUANTISATION_STEPS ? NaN : value));
@@ -90,12 +90,12 @@
     return out;
   }
 
-  /* A colour of 0 to 1 as CSS has it. */
+  /* A colour [r, g, b] of 0 to 1 as a text for CSS. */
   function css(colour) {
     return `rgb(${colour.map((v) => Math.round(255 * v)).join(",")})`;
   }
 
-  /* All of one case: a scene a state, one camera for all of them. */
+  /* One case: a scene for each state, and one camera for all scenes. */
   class CaseView {
     constructor(element, data, tables) {
       this.element = element;
@@ -113,7 +113,7 @@
       this.titles = [0, 1].map(() => this.addLabel("title"));
       this.readout = this.addLabel("readout");
       this.stage.tabIndex = 0;
-      this.stage.setAttribute("role", "application");  // screen readers pass the arrow keys on
+      this.stage.setAttribute("role", "application");  // makes screen readers pass the arrow keys on to the viewer
       this.stage.setAttribute("aria-describedby", this.roles.keys.id);
       element.querySelectorAll(".tools, .hint").forEach((item) => { item.hidden = false; });
       const chosen = () => this.onChange();
@@ -141,7 +141,7 @@
       });
       const wall = new THREE.Group();
       const front = new THREE.Mesh(shape, frontMaterial);
-      front.renderOrder = 2;  // after the stent behind it
+      front.renderOrder = 2;  // drawn after the stent, which lies behind it
       wall.add(new THREE.Mesh(shape, backMaterial), front);
       const scene = new THREE.Scene();
       scene.add(wall, new THREE.HemisphereLight(0xffffff, 0xb8b8c4, 0.5 * Math.PI));
@@ -156,7 +156,7 @@
       return { scene, wall, front, backMaterial, frontMaterial, devices, values, shape };
     }
 
-    /* {middle, across, tall}: the middle of all lumens in the first view, and their half width and height there, mm. */
+    /* {middle, across, tall} in mm: the middle of all lumens, and half of their width and height in the first view. */
     extent() {
       const [right, up, towards] = this.data.view.map((p) => new THREE.Vector3(...p));
       const p = new THREE.Vector3(), [low, high] = [Infinity, -Infinity].map((v) => new THREE.Vector3(v, v, v));
@@ -174,7 +174,7 @@
       return { middle, across: (high.x - low.x) / 2, tall: (high.y - low.y) / 2 };
     }
 
-    /* Looks along the axis of least extent, with the whole vessel in each pane. */
+    /* Makes the camera look along the vessel's axis of least extent, and fits the whole vessel into each pane. */
     reset(controls) {
       const [, up, towards] = this.data.view.map((p) => new THREE.Vector3(...p));
       const { middle, across, tall } = this.whole, [pane] = this.panes();
@@ -191,7 +191,7 @@
       return !this.fitted || this.fitted.distanceTo(this.camera.position) < 1e-6;
     }
 
-    /* Applies what the user chose; `onChange` is set by the stage to draw again. */
+    /* Applies what the user chose. The stage sets `onChange`, which calls this and draws again. */
     apply() {
       const { roles } = this;
       const colour = roles.colour.value, plain = colour === "plain";
@@ -217,7 +217,7 @@
       this.stage.setAttribute("aria-label", `3D picture of the lumen: ${shown}; colour: ${chosen}`);
     }
 
-    /* {low, high, limit, table} of the colours of a field: fixed ends and a limit, or else the ends of its values. */
+    /* {low, high, limit, table} of a field's colours. Without fixed ends they end where the values end. */
     scaleOf(field) {
       const fixed = this.data.scales[field];
       if (fixed) return { ...fixed, table: this.tables.limit };
@@ -241,7 +241,7 @@
       return parts;
     }
 
-    /* The panes to draw: [{state, left, top, across, tall}] in pixels of the stage. Two lie as the vessel is larger. */
+    /* The panes [{state, left, top, across, tall}] in pixels. Two are laid out so that the vessel is shown larger. */
     panes() {
       const { left, right, mode } = this.roles, { clientWidth: width, clientHeight: height } = this.stage;
       const whole = { left: 0, top: 0, across: width, tall: height };
@@ -253,7 +253,7 @@
       return [{ ...half, state: left.value }, { ...other, state: right.value }];
     }
 
-    /* The state drawn inside the other, null in the other modes. */
+    /* The state that is drawn inside the other one; null in modes without an inner lumen. */
     innerState() {
       return this.roles.mode.value === "overlay" ? this.roles.left.value : null;
     }

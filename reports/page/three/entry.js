@@ -1,4 +1,4 @@
-/* What the page's viewer uses of three.js, as the global THREE; its copy of fflate inflates the geometry. */
+/* The parts of three.js that the viewer uses, bundled as the global THREE. unzlibSync unpacks the geometry. */
 export {
   BackSide,
   BufferAttribute,

@@ -14,10 +14,10 @@ AT_WIRE = {"pre_minus_measured": "before PCI", "vci_minus_measured": "after virt
 
 
 def verdict(contexts, agreement, nearer, failed=()):
-    """[{title, text, warnings}]: the lines of the verdict; one that would say nothing is left out.
+    """[{title, text, warnings}]: the lines of the verdict, without those that would say nothing.
 
-    contexts: case_context of each case, at least one; agreement, nearer: rows of the tables of these names; failed:
-    entries of failed.json. warnings: see `warning_groups`; empty in all lines but that of the warnings.
+    contexts: case_context of each case, at least one. agreement, nearer: rows of the tables of these names. failed:
+    entries of failed.json. warnings: result of `warning_groups` in the line "Warnings", empty in all others.
     """
     documents = [context["metrics"] for context in contexts]
     group, found = numbers_group(documents, agreement)
@@ -34,9 +34,9 @@ def verdict(contexts, agreement, nearer, failed=()):
 
 
 def numbers_group(documents, agreement):
-    """(name, documents) of the group of patients whose numbers the verdict gives.
+    """(name, documents) of the group of patients whose numbers the verdict gives: usually the included patients.
 
-    The included patients. If nothing is known after PCI of any of them, but of other patients, then these others.
+    It is the excluded ones if agreement.csv has rows for them but none for the included.
     """
     groups = patient_groups(documents)
     return next((one for one in groups if any(row["patients"] == one[0] for row in agreement)), groups[0])
@@ -45,7 +45,7 @@ def numbers_group(documents, agreement):
 def patients_text(documents, failed, group):
     """How many patients, of which kind, how many meet the criterion of inclusion, and how many have no result.
 
-    group: the name of that group of patients whose numbers the verdict gives.
+    group: name of the group of patients whose numbers the verdict gives.
     """
     count, synthetic = len(documents), sum(one["kind"] == "synthetic" for one in documents)
     kinds = {"synthetic": synthetic, "with a given lumen": count - synthetic}
@@ -69,7 +69,7 @@ def patients_text(documents, failed, group):
 
 
 def ffr_text(documents, agreement):
-    """FFR before PCI and after it, by prediction and as known, with the flow's error; then against a pressure wire.
+    """Sentences on FFR before PCI, after virtual PCI and in the known lumen after PCI, then on FFR against a wire.
 
     documents, agreement: metrics documents and rows of agreement.csv of one group of patients.
     """
@@ -94,7 +94,7 @@ def ffr_text(documents, agreement):
 
 
 def nearer_text(agreement, nearer):
-    """Which of both predictions is nearer to each lumen after PCI, in which quantity, and whether a test decides it."""
+    """Sentences: which prediction is nearer to each lumen after PCI, in which quantity, and whether a test decides."""
     text = []
     for truth in TRUE_STATES:
         rows = {row["quantity"]: row for row in nearer if row["truth"] == truth}
@@ -109,9 +109,10 @@ def nearer_text(agreement, nearer):
 
 
 def ffr_nearer_text(row, compared):
-    """Whether FFR decides between both methods; row: FFR's row of nearer.csv; compared: both rows of agreement.csv.
+    """A sentence on whether FFR decides between VCI and radius correction.
 
     It decides only if the test does, and if the mean errors differ by more than the flow's own estimated error.
+    row: FFR's row of nearer.csv. compared: FFR's rows of agreement.csv for both methods.
     """
     estimate = largest_error(compared)
     if estimate is None:
@@ -178,5 +179,5 @@ def flow_error(rows):
 
 
 def too_few(row):
-    """That the patients of a row of nearer.csv are too few."""
+    """Words that say: the patients of this row of nearer.csv are too few."""
     return f"{count_patients(row['n'])} {'is' if row['n'] == 1 else 'are'} too few"

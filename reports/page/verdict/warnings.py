@@ -6,7 +6,7 @@ from reports.measuring.stent_edges import RUPTURE_STRETCH
 from reports.page.verdict.words import ffr_computed, significant
 from reports.selection.patients import LOW_FFR_AFTER
 
-# the limits by which the engine warns: OutcomeLimits in vci/results/readouts.hpp, which names their sources
+# The engine warns by the same limits: OutcomeLimits in vci/results/readouts.hpp, which names their sources.
 LEAST_EXPANSION = 0.6
 LARGEST_MALAPPOSITION_MM = 0.4
 MOST_NAMED = 5  # cases that a warning names; the others are counted
@@ -35,7 +35,7 @@ def warning_groups(contexts):
 
 
 def no_warning_text():
-    """That no warning of `warning_groups` applies, with what was looked for."""
+    """A sentence that lists what was looked for, for a study without any warning of `warning_groups`."""
     return (
         f"None: each FFR is within the flow's tolerance, no expansion index is below {LEAST_EXPANSION:g}, no"
         f" malapposition beyond {LARGEST_MALAPPOSITION_MM:g} mm, no wall stretched beyond {RUPTURE_STRETCH:g} at a"

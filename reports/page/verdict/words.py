@@ -18,7 +18,7 @@ def mean_ffr(documents, state):
 
 
 def ffr_around(mean, sd):
-    """A mean FFR with its standard deviation, which is None for one patient: with 2 decimals, or 3 for a small one."""
+    """A mean FFR with its standard deviation (None for one patient), with 2 decimals, or 3 for a small deviation."""
     digits = 2 if not sd else min(3, max(2, decimals(sd, 1)))
     return f"{mean:.{digits}f}" + ("" if sd is None else f" ± {sd:.{digits}f}")
 
@@ -57,10 +57,10 @@ def count_patients(count):
 
 
 def plural(count):
-    """The ending of a noun."""
+    """The ending of a noun after this number: nothing after 1, else "s"."""
     return "" if count == 1 else "s"
 
 
 def join(texts):
-    """A list in words: "a, b and c"."""
+    """A list as text: "a, b and c"."""
     return " and ".join(filter(None, [", ".join(texts[:-1]), texts[-1]]))

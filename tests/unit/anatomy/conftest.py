@@ -1,4 +1,4 @@
-"""The devices, and measured vessels whose narrowings the tests choose."""
+"""Fixtures: the device families, vessels with chosen narrowings as the anatomy measures them, and contour tables."""
 
 import csv
 import json
@@ -22,13 +22,13 @@ def summary():
 
 @pytest.fixture
 def vessel():
-    """narrowed_vessels.measured_vessel."""
+    """The function narrowed_vessels.measured_vessel."""
     return measured_vessel
 
 
 @pytest.fixture
 def written(tmp_path):
-    """written(summary, sections): the folder, as `lumen process` leaves it."""
+    """written(summary, sections) -> a folder with anatomy.json and sections.csv, as `lumen process` writes them."""
 
     def write(summary, sections):
         folder = tmp_path / "anatomy"
@@ -47,7 +47,7 @@ def written(tmp_path):
 
 @pytest.fixture
 def table(tmp_path):
-    """Writes a contour table of {frame: (z, outline)} and returns its path."""
+    """table(frames) writes a contour table of {frame: (z, outline)} and returns its path."""
 
     def write(frames, name="lumen.csv", **kwargs):
         path = tmp_path / name

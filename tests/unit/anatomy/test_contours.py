@@ -1,4 +1,4 @@
-"""Contour tables and what is made of them: reading and checking, rings, plaque."""
+"""Contour tables and what is made from them: reading, checks, rings and plaque."""
 
 import gzip
 
@@ -52,7 +52,7 @@ def test_refuses_what_is_no_table_of_outlines(table, tmp_path):
     for frames, what in broken.values():
         with pytest.raises(InputError, match=what):
             tables.read_outlines(table(frames), "mm", "lumen")
-    # just inside: eight points, an aneurysm of 14.8 mm, a lumen of 0.2 mm
+    # just within the limits: eight points, an aneurysm of 14.8 mm, a lumen of 0.2 mm
     inside = {1: (0.0, eight), 2: (1.0, circle(7.4)), 3: (2.0, circle(0.1))}
     assert len(tables.read_outlines(table(inside), "mm", "lumen")) == 3
     path = tmp_path / "words.csv"
@@ -68,7 +68,7 @@ def test_refuses_what_is_no_table_of_outlines(table, tmp_path):
 
 
 def test_points_listed_twice_are_refused(table):
-    """A block of a frame once more: the area was twice the frame's, and calcium vanished."""
+    """If a frame's points were read twice, its area would be doubled and its calcium would vanish."""
     one, good = circle(1.5), tube([1.5, 1.4, 1.5])
     doubled = {
         "open": np.vstack([one, one]),
@@ -80,7 +80,7 @@ def test_points_listed_twice_are_refused(table):
             tables.read_outlines(table({**good, 13: (1.0, outline)}, closed=False), "mm", "lumen")
     with pytest.raises(InputError, match="(?s)several outlines in one frame.*frame 13.*listed once"):
         tables.read_outlines(table({**good, 13: (1.0, np.vstack([one, one[:1], one]))}), "mm", "lumen")
-    # a spike of no width at a point, as in an image's pixels, and a line that ends one point too late
+    # Accepted: a spike without width, as outlines of pixels have, and an outline that ends one point too late.
     spike, late = np.vstack([one[:30], one[29:30] * 1.01, one[29:]]), np.vstack([one, one[:2]])
     for outline in (spike, late):
         found = tables.read_outlines(table({**good, 13: (1.0, outline)}, closed=False), "mm", "lumen")
@@ -89,7 +89,7 @@ def test_points_listed_twice_are_refused(table):
 
 @pytest.mark.parametrize("closed, what", [(True, "several outlines in one frame"), (False, "two outlines in one")])
 def test_a_lumen_and_a_branch_in_one_frame_are_refused(table, closed, what):
-    """They touch almost; as one outline the lumen has the area of both."""
+    """They almost touch. Read as one outline, the lumen would have the area of both."""
     lumen, branch = circle(1.5, start=0.0), circle(0.8, centre=(6.4, 5.0), start=np.pi)
     rows = [np.vstack([part, part[:1]]) if closed else part for part in (lumen, branch)]
     frames = {**tube([1.5, 1.4, 1.5]), 13: (1.0, np.vstack(rows))}
@@ -99,7 +99,7 @@ def test_a_lumen_and_a_branch_in_one_frame_are_refused(table, closed, what):
 
 @pytest.mark.parametrize("count", [24, 60, 400])
 def test_a_lumen_at_a_branch_s_mouth_is_one_outline(table, count):
-    """Two circles joined by a neck of 0.6 mm, where the outline begins."""
+    """The outline is two circles joined by a neck of 0.6 mm, and begins at the neck."""
     angle = np.linspace(-np.pi + np.arcsin(0.3 / 0.9), np.pi - np.arcsin(0.3 / 0.9), count // 2, endpoint=False)
     lobe = np.column_stack([np.sqrt(0.9**2 - 0.3**2) + 0.9 * np.cos(angle), 0.9 * np.sin(angle)])
     frames = {**tube([1.5, 1.4, 1.5]), 13: (1.0, np.vstack([lobe, -lobe]))}
@@ -127,7 +127,7 @@ def test_frames_that_cannot_be_one_pull_back_are_refused(table):
 
 
 def test_frames_of_a_fast_catheter_and_rounded_tables_are_one_pull_back(table):
-    """60 frames a second drawn back at 0.5 mm/s; z rounded to two decimals in one table and within a frame."""
+    """The catheter takes 60 frames a second at 0.5 mm/s. Tables with z rounded to two decimals belong together."""
     fast = {k: (k / 120, circle(1.5)) for k in range(3)}
     assert len(pullback.read({"lumen": table(fast)}).frames) == 3
     close = {k: (0.004 * k, circle(1.5)) for k in range(3)}
@@ -167,7 +167,7 @@ def test_frames_are_ordered_from_distal_to_proximal(table):
 
 @pytest.mark.parametrize("z_from, inlet_z", [("distal", 4.0), ("proximal", 0.0)])
 def test_a_straight_lumen_lies_in_the_tables_own_z(table, tmp_path, z_from, inlet_z):
-    """A lumen with a bump at +y and a narrowing at z = 1: both stay where they are, whichever end z rises from."""
+    """A bump at +y and a narrowing at z = 1 stay where they are, from whichever end z rises."""
     frames = tube([1.5, 1.0, 1.5, 1.5, 1.5], centre=(0.0, 0.0))
     bump = 0.5 * np.exp(-(((circle(1, centre=(0, 0)) - (0, 1)) / 0.3) ** 2).sum(axis=1))
     frames = {name: (z, outline * (1 + bump[:, None])) for name, (z, outline) in frames.items()}
@@ -199,7 +199,7 @@ def test_points_of_rings_correspond_wherever_the_outlines_begin():
 
 
 def test_between_frames_nothing_is_narrower_than_both(table, tmp_path):
-    """Two slits at a right angle: rings halfway between their points would enclose much less."""
+    """Two frames are slits at a right angle. Rings halfway between their points would enclose much less."""
     angle = 2 * np.pi * np.arange(80) / 80
     slit = np.column_stack([1.8 * np.cos(angle), 0.5 * np.sin(angle)])
     frames = {1: (0.0, slit), 2: (1.0, slit), 3: (2.0, slit[:, ::-1] * [1, -1]), 4: (3.0, slit[:, ::-1] * [1, -1])}
@@ -225,7 +225,7 @@ def test_calcium_counts_round_the_lumen_whatever_its_depth(table, tmp_path, firs
 
 
 def raw(parts, numbered=False, closed=False, frame=23, z=2.0):
-    """Rows of one frame: its outlines one after the other, each ending where it began if closed."""
+    """Table rows of one frame with its outlines one after the other. closed: each ends with its first point again."""
     rows = []
     for number, part in enumerate(parts):
         for x, y in np.vstack([part, part[:1]]) if closed else part:
@@ -235,7 +235,7 @@ def raw(parts, numbered=False, closed=False, frame=23, z=2.0):
 
 @pytest.fixture
 def with_calcium(table, tmp_path):
-    """Makes contours.json of a vessel of radius 1.5 in a wall of 2.4 with the given calcium in frame 23."""
+    """with_calcium(rows) -> calcium's arc in degrees in frame 23 of a vessel of radius 1.5 mm in a wall of 2.4 mm."""
 
     def make(rows):
         files = {"lumen": table(tube([1.5] * 5)), "outer_wall": table(tube([2.4] * 5), "wall.csv")}
@@ -249,7 +249,7 @@ def with_calcium(table, tmp_path):
 SHEETS = [sector(1.6, 1.9, 20, 110), sector(1.6, 1.8, 200, 260)]
 NODULES = [
     circle(0.25, 30, (4 + x, 6.9), start) for x, start in ((-0.5, 0.0), (0.5, np.pi))
-]  # each begins at the other
+]  # each nodule's outline begins on the side of the other
 
 
 @pytest.mark.parametrize("how", [{"numbered": True}, {"closed": True}, {"numbered": True, "closed": True}])
@@ -258,10 +258,10 @@ def test_several_deposits_of_a_frame(with_calcium, how, deposits, arc):
     alone = [with_calcium(raw([deposit])) for deposit in deposits]
     assert with_calcium(raw(deposits, **how)) == pytest.approx(sum(alone), abs=0.1)
     assert with_calcium(raw([*deposits, deposits[0]], **how)) == pytest.approx(sum(alone), abs=0.1), "one of them twice"
-    assert sum(alone) == pytest.approx(arc, abs=10)  # points of a ring are 4.5 degrees apart
+    assert sum(alone) == pytest.approx(arc, abs=10)  # the points of a ring are 4.5 degrees apart, so an arc is inexact
 
 
-FACING = [sector(1.8, 1.6, 110, 20), sector(1.6, 1.8, 140, 200)]  # each begins and ends at its end beside the other
+FACING = [sector(1.8, 1.6, 110, 20), sector(1.6, 1.8, 140, 200)]  # each outline begins and ends beside the other one
 
 
 @pytest.mark.parametrize(
@@ -269,13 +269,13 @@ FACING = [sector(1.8, 1.6, 110, 20), sector(1.6, 1.8, 140, 200)]  # each begins 
     [(SHEETS, "crosses itself"), (NODULES, "two outlines in one"), (FACING, "two outlines in one")],
 )
 def test_deposits_that_cannot_be_told_apart_are_refused(with_calcium, deposits, what):
-    """The nodules' line does not cross itself: taken as one, it has calcium over the 15 degrees between them."""
+    """The line round both nodules does not cross itself. Read as one outline, it would put calcium between them."""
     with pytest.raises(InputError, match=f"(?s){what}.*calcium.csv: calcium, frame 23.*fifth column"):
         with_calcium(raw(deposits))
 
 
 def test_a_ring_of_calcium_is_one_deposit(with_calcium):
-    """As a ring of two lines, with or without a step back to its first point; as a disc; as a sheet begun midway."""
+    """A ring may be two lines, with or without a step back to the first point, or a disc. A sheet may begin midway."""
     ring = np.vstack([circle(1.9), circle(1.9)[:1], circle(1.6, turn=-1), circle(1.6)[:1]])
     for rows in (raw([ring]), raw([ring], closed=True), raw([circle(1.9)])):
         assert with_calcium(rows) == pytest.approx(360, abs=0.1)
@@ -294,7 +294,7 @@ def test_calcium_outside_its_outer_wall_is_refused(with_calcium, outside_mm, tak
 
 @pytest.mark.parametrize("reach, taken", [(1.45, False), (1.55, True)])
 def test_calcium_within_the_lumen_is_refused(table, tmp_path, reach, taken):
-    """No ray into the wall met it, and it was lost. A nodule that reaches into the lumen of 1.5 mm is taken."""
+    """No ray into the wall would meet it, so it would be lost. A nodule that reaches beyond the lumen's 1.5 mm is fine."""
     files = {"lumen": table(tube([1.5] * 5)), "outer_wall": table(tube([1.9] * 5), "wall.csv")}
     files["calcium"] = table({23: (2.0, sector(1.1, reach, 20, 60))}, "calcium.csv")
     if taken:
@@ -305,7 +305,7 @@ def test_calcium_within_the_lumen_is_refused(table, tmp_path, reach, taken):
 
 
 def test_a_frame_to_leave_out_must_be_in_a_table(table):
-    """A misspelt one stayed in. One of another table than the lumen's, or outside z_range_mm, is there."""
+    """Otherwise a misspelt frame would stay in. Frames outside z_range_mm, or of another table, may be named too."""
     lumen, wall = tube([1.5] * 5), {99: (9.0, circle(1.9)), **tube([1.9] * 5)}
     files = {"lumen": table(lumen), "outer_wall": table(wall, "wall.csv")}
     with pytest.raises(InputError, match="(?s)no such frame to leave out.*drop_frames.*98; the tables have 6 frames"):

@@ -1,4 +1,4 @@
-"""Frames laid on a centreline: a known curved vessel is sampled as a pull-back and must come back."""
+"""Frames placed on a centreline: a known curved vessel is recorded as a pull-back and must be restored from it."""
 
 import functools
 
@@ -17,7 +17,7 @@ LENGTH = 40.0
 
 
 def axis(s):
-    """A coronary's bends out of one plane, in CT coordinates: (points, tangents) at the lengths s (k,)."""
+    """(points, tangents), each (k, 3), at arc lengths s (k,) of an axis that bends in space, in CT coordinates."""
     fine = np.linspace(0, 1, 4001)
     x, y, z = 25 * np.sin(1.5 * fine), 22 * (1 - np.cos(1.6 * fine)), 9 * np.sin(3.1 * fine)
     curve = np.column_stack([x, y, z]) + (60, -190, 1700)
@@ -29,7 +29,7 @@ def axis(s):
 
 
 def frame_vectors(s):
-    """Vectors across the axis that do not turn about it, begun across the first tangent: integrated in small steps."""
+    """Two unit vectors across the axis at arc lengths s, which do not turn about it: carried along in small steps."""
     fine = np.linspace(0, LENGTH, 4001)
     tangents = axis(fine)[1]
     first = np.empty_like(tangents)
@@ -43,13 +43,13 @@ def frame_vectors(s):
 
 
 def radius(s, angle):
-    """An eccentric narrowing on one side of a tapering vessel that is not quite round."""
+    """Radius at arc length s and angle, of a tapering vessel, not quite round, with an eccentric narrowing."""
     narrow = np.exp(-(((s - 20) / 5) ** 2))
     return (1.8 - 0.012 * s) * (1 + 0.1 * np.cos(2 * angle)) * (1 - narrow * (0.25 + 0.2 * np.cos(angle - 0.8)))
 
 
 def wall(s, count=400):
-    """Points (len(s), count, 3) of the true wall."""
+    """Points (len(s), count, 3) of the true wall, `count` of them round each arc length s."""
     angle = 2 * np.pi * np.arange(count) / count
     place = axis(s)[0]
     first, second = frame_vectors(s)
@@ -60,10 +60,10 @@ def wall(s, count=400):
 
 
 def recorded(turn, sign=1.0):
-    """The vessel as a catheter records it: {frame: (z, outline)}, landmarks of the table, their places in space.
+    """The vessel as a catheter records it: {frame: (z, outline)}, rows of the landmark table, their places in space.
 
-    Frames 0.6 mm apart from distal to proximal; the image is turned by `turn`, its middle wanders with the catheter.
-    Looking from distal, x and y of an image and z (to proximal) are right-handed; sign -1 is the mirror image.
+    Frames are 0.6 mm apart, from distal to proximal. Images are turned by `turn` (radians). Their middle wanders with the
+    catheter. x and y of an image and z, which points to proximal, are right-handed. sign -1 gives the mirror image.
     """
     s = np.arange(5.0, 35.01, 0.6)[::-1]
     place, _ = axis(s)
@@ -72,7 +72,7 @@ def recorded(turn, sign=1.0):
     frames, marks, places = {}, [], []
     for k in range(len(s)):
         away = points[k] - place[k]
-        u, v = away @ first[k], -(away @ second[k])  # seen against the tangent
+        u, v = away @ first[k], -(away @ second[k])  # the image is seen against the tangent
         x = np.cos(turn) * u + np.sin(turn) * v
         y = sign * (-np.sin(turn) * u + np.cos(turn) * v)
         middle = (4.5 + 0.4 * np.sin(k / 5), 4.5 + 0.3 * np.cos(k / 7))
@@ -101,7 +101,7 @@ def pull_back(tmp_path):
 
 @functools.lru_cache
 def centred_line():
-    """The line through the centres of the lumen's sections, as a CT's centreline is, with jitter of 0.02 mm."""
+    """The line through the centres of the lumen's sections, like a centreline from CT, with a jitter of 0.02 mm."""
     s = np.arange(0, LENGTH, 0.5)
     points = wall(s)
     first, second = frame_vectors(s)
@@ -115,7 +115,7 @@ def centred_line():
 
 
 def misfit(points):
-    """Distances (n,) of points to the true wall, for those between s 6 and 34."""
+    """Distances (n,) in mm from the true wall, for those of the points between s = 6 and 34 mm."""
     s, tree = true_wall()
     distance, index = tree.query(points)
     near = s[index // 200]
@@ -173,7 +173,7 @@ def test_mirrored_images_are_found_out_and_put_right(pull_back):
 @pytest.mark.parametrize("sign, mirrored", [(-1.0, False), (1.0, True)])
 @pytest.mark.parametrize("keep", [slice(None), slice(1, 2)])
 def test_z_from_the_proximal_end_is_no_mirror_image(pull_back, sign, mirrored, keep):
-    """Turning z round makes right-handed tables left-handed; turning y round too makes them right-handed again."""
+    """With z reversed, right-handed tables become left-handed. With y mirrored too, they are right-handed again."""
     pull, places = pull_back(1.1, sign, keep, z_from="proximal")
     place = frame_placement.centreline_placement(pull, line.Line(centred_line()), places, mirrored=mirrored)
     lofted = run.loft_pullback(pull, place)
@@ -195,11 +195,11 @@ def test_landmarks_that_do_not_fit_are_refused(pull_back):
         )
     frame_placement.centreline_placement(
         pull, axis_line, places + [0, 0, 1.0]
-    )  # a millimetre off is how well such points are picked
+    )  # points are picked with errors of a millimetre, which is accepted
 
 
 def moved(places, axis_line, along_mm, about_deg):
-    """Places (3, 3) of three landmarks, the second moved along the line and about it."""
+    """Places (3, 3) of three landmarks. The second is moved along the line by mm and about it by degrees."""
     s = np.array([axis_line.nearest(place) for place in places])
     middle, tangent, one, two = axis_line.frame_at(s)
     away, turn = (places - middle)[1], np.radians(about_deg)
@@ -211,7 +211,7 @@ def moved(places, axis_line, along_mm, about_deg):
 
 
 def test_landmarks_that_were_picked_roughly_are_taken(pull_back):
-    """One of three is off: by 4.2 mm along the vessel (2.8 mm from what all say), by 60 degrees about it (41)."""
+    """One of three is off by 4.2 mm along the vessel (2.8 mm from the mean of all) or by 60 degrees about it (41)."""
     pull, places = pull_back(0.4)
     axis_line = line.Line(centred_line())
     for off in ((4.2, 0), (0, 60)):
@@ -224,7 +224,7 @@ def test_landmarks_that_were_picked_roughly_are_taken(pull_back):
 
 @pytest.mark.parametrize("about_deg, told", [(0, False), (20, False), (26, True), (60, True)])
 def test_landmarks_that_disagree_by_more_than_they_are_marked_to_are_told(pull_back, about_deg, told):
-    """Off by two thirds of it from the mean of three. Two landmarks 150 degrees apart hide a mirror image so."""
+    """One of three is off by two thirds of the angle from the mean. A mirror image may show as such a disagreement."""
     pull, places = pull_back(0.4)
     axis_line = line.Line(centred_line())
     found = list(
@@ -236,7 +236,7 @@ def test_landmarks_that_disagree_by_more_than_they_are_marked_to_are_told(pull_b
 
 
 def test_the_command_tells_that_landmarks_disagree(table, tmp_path):
-    """A mirror image of round frames on a straight line: its two landmarks are 150 degrees apart, and 30 off."""
+    """A mirror image of round frames on a straight line. Two landmarks 150 degrees apart then disagree by 30 degrees."""
     frames, angles = tube([1.5] * 20), np.radians([0.0, 150.0])
     write_lines(tmp_path / "line.vtp", np.column_stack([np.zeros((41, 2)), np.linspace(30, -10, 41)]))
     marks = [(z, 4 + 1.5 * np.cos(a), 5 - 1.5 * np.sin(a)) for z, a in zip((5, 15), angles)]
@@ -266,7 +266,7 @@ def test_a_landmark_near_the_axis_tells_its_turn_from_two_tenths_on(pull_back, d
 @pytest.mark.parametrize("radii, near", [(2.9, True), (3.1, False)])
 @pytest.mark.parametrize("where", ["landmarks", "landmark_points_mm"])
 def test_a_landmark_lies_within_three_radii_of_its_vessel(pull_back, where, radii, near):
-    """The second of three: its own frame is narrower than the median, whose radius is about 1.55 mm."""
+    """The radius is the median of all frames, about 1.55 mm. The second landmark's own frame is narrower."""
     pull, places = pull_back(0.4)
     axis_line = line.Line(centred_line())
     far = radii * np.median([np.sqrt(outlines.area_mm2(frame.lumen) / np.pi) for frame in pull.frames])
@@ -353,7 +353,7 @@ def test_a_line_needs_four_points_with_places(tmp_path, count, what):
 
 @pytest.mark.parametrize("scale, units", [(1e-3, "mm"), (0.028, "mm"), (1e-3, "m")])
 def test_a_line_in_metres_is_told_by_its_length(tmp_path, scale, units):
-    """40 mm in metres; a line of 1.1 mm is read, and is too short for its pull-back later."""
+    """A line of 40 mm in metres is refused. A line of 1.1 mm is read here, but will be too short for its pull-back."""
     write_lines(tmp_path / "line.vtp", scale * centred_line())
     if (scale, units) == (1e-3, "mm"):
         with pytest.raises(InputError, match="(?s)shorter than any vessel.*0.0396 mm as mm.*centreline: units"):
@@ -367,7 +367,7 @@ def test_a_line_in_metres_is_told_by_its_length(tmp_path, scale, units):
 
 
 def test_frames_carried_along_a_line_do_not_turn_about_it():
-    """On a helix the frame turns against the normal by the torsion's integral, which is known."""
+    """On a helix the frame turns relative to the normal by the integral of the torsion, which is known."""
     angle = np.linspace(0, 4 * np.pi, 4000)
     a, b = 10.0, 3.0
     helix = line.Line(np.column_stack([a * np.cos(angle), a * np.sin(angle), b * angle]))
@@ -382,7 +382,7 @@ def test_frames_carried_along_a_line_do_not_turn_about_it():
 
 @pytest.mark.parametrize("bend_mm, fits", [(1.53, True), (1.47, False)])
 def test_an_axis_may_bend_as_sharply_as_the_lumen_is_wide(bend_mm, fits):
-    """Round rings of 1.5 mm on an arc: on its inside they stand still where the arc's radius is theirs."""
+    """Rings with a radius of 1.5 mm lie on an arc. If the arc's radius is smaller, they cross on its inside."""
     around = np.linspace(0, 2 * np.pi, 64, endpoint=False)
     along = np.linspace(0, np.pi / 2, 30)
     out = bend_mm + 1.5 * np.cos(around)

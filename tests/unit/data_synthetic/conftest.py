@@ -10,13 +10,13 @@ _spec.loader.exec_module(_vessels)
 
 @pytest.fixture(scope="session")
 def vessel():
-    """vessel(**changes): a small vessel with the schema's defaults filled in."""
+    """vessel(**changes) -> description of a small vessel, with the schema's defaults filled in."""
     return _vessels.vessel
 
 
 @pytest.fixture(scope="session")
 def branches():
-    """The small vessel's branches."""
+    """The branches that data_synthetic grows for the small vessel."""
     from data_synthetic import tree
 
     return tree.grow(_vessels.vessel())
@@ -31,5 +31,5 @@ def _module(name):
 
 @pytest.fixture(scope="session")
 def ct_tubes():
-    """Module of straight tubes for the CT tests."""
+    """The module ct_tubes, which makes straight tubes for the CT tests."""
     return _module("ct_tubes")

@@ -12,5 +12,5 @@ from flow import settings as settings_module  # noqa: E402
 
 @pytest.fixture
 def settings():
-    """Default settings."""
+    """The flow's settings with their defaults."""
     return settings_module.make()

@@ -1,6 +1,6 @@
-"""A results tree in the formats of docs/design.md, made from bent tubes of known area, curvature and pressure.
+"""Folders of results in the formats of docs/design.md, made from bent tubes of known area, curvature and pressure.
 
-Test data: no number here is a result of the study.
+All numbers are test data, none is a result of the study.
 """
 
 import json
@@ -29,12 +29,12 @@ NARROWING = {
     "ct_vci": 0.06,
     "ct_rc": 0.01,
     "post": 0.08,
-}  # share of the radius that the lesion takes
-ARM_FFR = {"ct": 0.97, "ct_vci": 0.93, "ct_rc": 0.94}  # of the lumens at half maximum
+}  # share of the radius by which the lesion narrows the lumen
+ARM_FFR = {"ct": 0.97, "ct_vci": 0.93, "ct_rc": 0.94}  # FFR in the lumens at half maximum
 
 
 class Tube:
-    """A circular arc of given curvature with a cosine lesion at mid-length; `move` is a rigid motion (4, 4)."""
+    """A tube along a circular arc, with a cosine lesion near mid-length. move: rigid motion (4, 4) of the tube."""
 
     def __init__(self, narrowing, curvature=CURVATURE_PER_MM, radius=1.6, move=None):
         self.narrowing, self.curvature, self.radius = narrowing, curvature, radius
@@ -44,7 +44,7 @@ class Tube:
         return np.linspace(0.0, LENGTH_MM, round(LENGTH_MM / SPACING_MM) + 1)
 
     def frame(self, s):
-        """Points, tangents and normals (n, 3) of the axis."""
+        """Points, tangents and normals of the axis, each (n, 3), at arc lengths s (n,)."""
         angle, big = np.asarray(s) * self.curvature, 1.0 / self.curvature
         points = np.stack([big * np.sin(angle), big * (1 - np.cos(angle)), 0 * angle], -1)
         tangents = np.stack([np.cos(angle), np.sin(angle), 0 * angle], -1)
@@ -57,7 +57,7 @@ class Tube:
         return self.radius * (1.0 - self.narrowing * np.where(np.abs(z) < 1, 0.5 * (1 + np.cos(np.pi * z)), 0.0))
 
     def pressure(self, s):
-        """Poiseuille: dp/ds = 8 mu Q / (pi r^4), integrated on a fine grid."""
+        """Pressure in Pa at arc lengths s, by Poiseuille: dp/ds = 8 mu Q / (pi r^4), integrated on a fine grid."""
         fine = np.linspace(0.0, LENGTH_MM, 4001)
         slope = 8.0 * VISCOSITY * Q_M3_PER_S / (np.pi * (self.radii(fine) * 1e-3) ** 4) * 1e-3
         drop = np.concatenate([[0.0], np.cumsum(0.5 * (slope[1:] + slope[:-1]) * np.diff(fine))])
@@ -270,10 +270,11 @@ def write_registration(folder, compare):
 def build_case(
     root, name, moves=None, states=("pre", "vci", "rc", "reference"), change=0.0, warnings=(), compare="flow", wire=None
 ):
-    """Writes one case below `root`/cases; `moves` {state: rigid motion}; `change` shifts the openings a little.
+    """Writes one case below `root`/cases and returns its folder. moves: {state: rigid motion}.
 
-    With the state ct: `warnings` of both segmentations. With post: `compare` flow or areas. wire: mm along main of a
-    pressure wire's sensor, with which case.yaml and the probes go.
+    change: added to the narrowing of all states but rc. warnings: those of both segmentations, for the state ct.
+    compare: flow or areas, for the state post. wire: place of a pressure wire's sensor in mm along main; if given,
+    case.yaml and the probes are written too.
     """
     folder = pathlib.Path(root) / "cases" / name
     tubes = {
@@ -321,7 +322,7 @@ def build_case(
 
 
 def write_arm(folder):
-    """The lumens at half maximum of a case with CT, which are those of other states; after PCI it is the wide `rc`."""
+    """Writes the lumens at half maximum of a case with CT: copies of other states. `ct` is a copy of the wide `rc`."""
     for state, like in (("ct", "rc"), ("ct_vci", "reference"), ("ct_rc", "ct")):
         shutil.copytree(folder / like / "anatomy", folder / "half_maximum" / state / "anatomy")
     for path in (folder / "ct").glob("*/segmentation.json"):
@@ -333,7 +334,7 @@ def write_arm(folder):
 
 
 def shorten_state(folder, first_mm, last_mm, state="post"):
-    """Leaves of a state's axis, sections and pull-back what lies between two arc lengths, counted from 0 again."""
+    """Cuts a state's axis, sections and pull-back to the part between two arc lengths, which then count from 0."""
     anatomy, flow = folder / state / "anatomy", folder / "flow" / state
     line = read_centreline(anatomy / "centreline.vtp", "main")
     kept = (line.s_mm >= first_mm) & (line.s_mm <= last_mm)
@@ -359,7 +360,7 @@ def shorten_state(folder, first_mm, last_mm, state="post"):
 
 @pytest.fixture
 def ended():
-    """ended(folder, first_mm, last_mm, state="post"): see shortened."""
+    """ended(folder, first_mm, last_mm, state="post"): see shorten_state."""
     return shorten_state
 
 

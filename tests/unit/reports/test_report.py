@@ -1,4 +1,4 @@
-"""The report: what its pages hold, that it stands alone, and that an earlier one leaves nothing behind."""
+"""The report: what its pages hold, that it needs no other file, and that an earlier report leaves nothing behind."""
 
 import base64
 import json
@@ -30,7 +30,7 @@ PNG = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mNk+A8AAQUBAScY4
 
 
 class Report:
-    """A report below `root`, made of the cases in `dirs`."""
+    """A report below the folder `root`, made from the case folders `dirs`."""
 
     def __init__(self, root, dirs):
         self.folder, self.index_file = root / "report", root / "report" / "index.html"
@@ -38,7 +38,7 @@ class Report:
         self.command = ["report", "--case-dir", *dirs, *places]
 
     def make(self, *options):
-        """Makes the report, or makes it again."""
+        """Makes the report, with further options of `reports report`. Returns itself."""
         main([*self.command, *options, "--out", str(self.folder)])
         return self
 
@@ -57,7 +57,7 @@ class Report:
 
 @pytest.fixture
 def study(make_case, add_arm, tmp_path):
-    """study(cases...) -> Report of cases (name, options)."""
+    """study(*cases) makes all tables and figures and returns the Report. A case is (name, options of make_case)."""
 
     def make(*cases, junit=(), arm=False):
         folders = []
@@ -201,7 +201,7 @@ def test_both_segmentations_stand_on_the_page_and_who_is_not_included(study):
     assert text.count("<details><summary>The same for the patients that are not included") == 1
     table = text.split("How the lumen is found in the image")[1].split("</table>")[0]
     clinical = next(row for row in table.split("<tr>") if "<th>FFR</th>" in row)
-    # predicted minus after PCI, of the network's FFR, and the published one beside it
+    # FFR predicted minus FFR after PCI, both by the network, and the published difference beside it
     assert ">−0.040</td>" in clinical and "−0.02 ± 0.05" in clinical
 
 
@@ -265,7 +265,7 @@ def test_benchmarks_that_were_run_are_shown(study, tmp_path):
         assert words in text, words
     for words in ('<th class="text">outcome</th>', '<td class="text">fine</td>', "<th>FFR</th>", "<th>CPU (s)</th>"):
         assert words in text, words
-    assert ">reason</th>" not in text  # nothing in it
+    assert ">reason</th>" not in text  # a column without a value is left out
     assert text.index("Blood flow: hard cases</h2>") < text.index('id="benchmark-another"')
     assert 'src="figures/another_pareto.webp"' in text and 'href="data/another_table.csv"' in text
     assert "<code>snakemake -j2 results/benchmarks/flow_hard_cases/table.csv</code>" in text
@@ -324,7 +324,7 @@ def test_two_pictures_of_one_name_are_refused(tmp_path):
 
 
 def test_a_suite_of_compiled_tests_is_one_row(tmp_path):
-    """CTest gives a test's name as its class; GoogleTest's parametrised names have slashes."""
+    """CTest writes a test's full name as its class. GoogleTest's names of parametrised tests have slashes."""
     names = ("tests.verification.vci.Tube.Thick", "tests.verification.vci.Tube.Thin", "tests.unit.anatomy.Ends/A.Cut/0")
     cases = "".join(f'<testcase name="{name}" classname="{name}" time="0.5" status="run"/>' for name in names)
     (tmp_path / "junit.xml").write_text(f"<testsuite>{cases}</testsuite>")

@@ -39,7 +39,7 @@ TEST(BroadPhase, FindsWhatASearchOverAllTrianglesFinds) {
   BroadPhase boxes(triangles, x);
   std::vector<NearTriangle> found;
   std::size_t hits = 0, none = 0;
-  // far, so that the boxes are fitted anew, and then a little, so that they are not
+  // The first shift is so large that the boxes are fitted anew, the second so small that they are not.
   for (const Vec3& shift : {Vec3(1, -1, 2), Vec3(0.05, -0.05, 0.05)}) {
     for (Vec3& p : x)
       p += shift + 0.001 * Vec3(number(random), number(random), number(random));
@@ -69,7 +69,7 @@ TEST(BroadPhase, FindsWhatASearchOverAllTrianglesFinds) {
 }
 
 TEST(SurfaceContact, AVertexBesideAFoldHasNoContact) {
-  // A crumpled sheet, and small triangles anywhere near it. The gap of a contact along the normal is a distance.
+  // A crumpled sheet with small triangles near it. A contact's gap, along the normal, must be about its distance.
   std::mt19937 random(3);
   std::uniform_real_distribution<double> number(-1, 1);
   System system;
@@ -121,7 +121,7 @@ TEST(ContactRamp, IsSmoothOneSidedAndDerivesFromItsEnergy) {
 
 TEST(AveragedRamp, IsTheMeanOverTheWay) {
   const ContactSettings s;
-  constexpr double from = 0.02, to = -0.04; // free, on the ramp, beyond it
+  constexpr double from = 0.02, to = -0.04; // the gap begins free, crosses the ramp and ends beyond it
   double sum = 0;
   constexpr int parts = 20000;
   for (int k = 0; k < parts; ++k)
@@ -133,12 +133,12 @@ TEST(AveragedRamp, IsTheMeanOverTheWay) {
 
 TEST(ContactRamp, ItsPartsFadeEachWithItsShareAndBelongTogether) {
   const ContactSettings s;
-  for (const double share : {1.0, 0.4, 0.0}) // where ordinary contact gets to, the deep ramp's share is nothing to it
+  for (const double share : {1.0, 0.4, 0.0}) // at a gap that ordinary contact reaches, the deep ramp adds nothing
     for (const double deep : {1.0, 0.0})
       EXPECT_NEAR(penalty_response(0, s, {share, deep}).pressure, share * penalty_response(0, s).pressure, 1e-12);
   EXPECT_GT(penalty_response(-0.06, s, {0.1, 1}).pressure, 0.7 * penalty_response(-0.06, s).pressure);
   EXPECT_LT(penalty_response(-0.06, s, {0.1, 0.1}).pressure, 0.11 * penalty_response(-0.06, s).pressure);
-  for (const double gap : {0.0, -0.03, -0.06}) { // force, stiffness and energy
+  for (const double gap : {0.0, -0.03, -0.06}) { // stiffness and force are the derivatives of force and energy
     constexpr double h = 1e-6;
     const auto law = [&](double g) { return penalty_response(g, s, {0.1, 0.6}); };
     const PenaltyResponse here = law(gap), less = law(gap - h), more = law(gap + h);
@@ -147,8 +147,8 @@ TEST(ContactRamp, ItsPartsFadeEachWithItsShareAndBelongTogether) {
   }
 }
 
-/// Contact of a small pyramid, body 1 with its tip at (0.1, 0, height) and its base at `base`, on a flat sheet (normal
-/// +z).
+/// Contacts between a flat sheet (body 0, normal +z) and a small pyramid (body 1). The pyramid's tip is at
+/// (0.1, 0, height), its base at z = base.
 std::vector<ContactPoint> pyramid_on_sheet(double base, double height, const Triangles& pyramid, ContactScope sides,
                                            Vectors& force) {
   System system;
@@ -164,7 +164,7 @@ std::vector<ContactPoint> pyramid_on_sheet(double base, double height, const Tri
   return found;
 }
 
-/// The pyramid inside, below the sheet, facing as the sheet does.
+/// The pyramid is below the sheet, so inside, and faces the same way as the sheet.
 std::vector<ContactPoint> sheets(double height, Vectors& force) {
   return pyramid_on_sheet(-.4, height, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, {}, force);
 }
@@ -172,7 +172,7 @@ std::vector<ContactPoint> sheets(double height, Vectors& force) {
 TEST(SurfaceContact, PushesApartOnBothSidesOfTheSurfaceAndBalances) {
   Vectors force;
   EXPECT_TRUE(sheets(-0.05, force).empty());
-  for (double height : {0.0, 0.1, 0.25}) { // through the wall, where an unsigned distance would let go
+  for (double height : {0.0, 0.1, 0.25}) { // on and through the sheet, where an unsigned distance would no longer push
     const std::vector<ContactPoint> points = sheets(height, force);
     Vec3 sum = Vec3::Zero();
     for (const Vec3& f : force)
@@ -185,7 +185,7 @@ TEST(SurfaceContact, PushesApartOnBothSidesOfTheSurfaceAndBalances) {
   }
 }
 
-/// The pyramid above the sheet, facing it; tip and sheet are `gap` apart.
+/// The pyramid is above the sheet and faces it. Its tip is `gap` above the sheet.
 std::vector<ContactPoint> facing_sheets(double gap, ContactScope sides, Vectors& force) {
   return pyramid_on_sheet(.4, gap, {{0, 4, 1}, {1, 4, 2}, {2, 4, 3}, {3, 4, 0}}, std::move(sides), force);
 }
@@ -211,7 +211,7 @@ TEST(SurfaceContact, ExcludedVerticesNeitherTouchNorAreTouched) {
     EXPECT_NE(p.stencil.vertex[0], 9);
 }
 
-/// The tip of the pyramid 0.045 mm through the sheet, in contact as long as the surfaces are left in place.
+// The tip of the pyramid is 0.045 mm through the sheet, a contact that stays while the surfaces stay in place.
 TEST(SurfaceContact, StiffensOnlyWhatIsDeeperThanTheLimitUntilABound) {
   System system;
   const double depth = 0.045;
@@ -238,12 +238,12 @@ TEST(SurfaceContact, StiffensOnlyWhatIsDeeperThanTheLimitUntilABound) {
     ASSERT_LT(++times, 100);
   EXPECT_EQ(times, 6);
   const double stiffened = tip_force();
-  system.x[9][0] = 2.05; // beyond the sheet's edge, and back: it has not left the depth
+  system.x[9][0] = 2.05; // beyond the sheet's edge and back at the same depth: the contact stays stiffened
   for (const ContactPoint& p : found())
     EXPECT_NE(p.stencil.vertex[0], 9);
   system.x[9][0] = 0.1;
   EXPECT_EQ(tip_force(), stiffened);
-  system.x[9][2] = -0.2; // apart, and back: the vertex starts anew
+  system.x[9][2] = -0.2; // apart from the sheet and back: the contact starts anew
   EXPECT_TRUE(found().empty());
   system.x[9][2] = depth;
   EXPECT_EQ(tip_force(), at_first);
@@ -264,18 +264,18 @@ TEST(Friction, SticksElasticallyThenSlidesAtTheLimitAndRemembersTheAnchor) {
   slide(10);
   EXPECT_NEAR(p.friction[0], -limit, 1e-12);
   EXPECT_LT(p.stencil.tangential_stiffness, 0.1 * stiffness);
-  const Mat3 sliding =
-      p.stencil.stiffness(); // along the slip the friction force no longer grows; a part stays, to resist turning back
+  // Along the slip the friction force no longer grows. A part of the stiffness stays, to resist a turn back.
+  const Mat3 sliding = p.stencil.stiffness();
   EXPECT_NEAR(sliding(0, 0), 0.3 * sliding(1, 1), 1e-12);
   EXPECT_NEAR(sliding(2, 2), 6, 1e-12);
-  slide(-limit / stiffness); // back by the elastic slip: the anchor has moved along
+  slide(-limit / stiffness); // back by the elastic slip, to the anchor, which has moved along
   EXPECT_NEAR(p.friction[0], 0, 1e-9);
   EXPECT_NEAR(p.stencil.stiffness()(0, 0), stiffness, 1e-12) << "it sticks again";
   Vectors f(2, Vec3::Zero());
   slide(-10);
   p.force = 0;
   add_contact_forces({p}, f);
-  EXPECT_NEAR(f[1][0], limit, 1e-12); // opposes the motion
+  EXPECT_NEAR(f[1][0], limit, 1e-12); // friction opposes the motion
   EXPECT_LT((f[0] + f[1]).norm(), 1e-15);
 }
 
@@ -287,7 +287,7 @@ TEST(Tie, StartsWithTheContactForceAndHoldsBothWays) {
   Vectors f(4, Vec3::Zero());
   add_tie_forces({tie}, x, f);
   EXPECT_NEAR(f[0][2], -0.3, 1e-12);
-  x[0] += Vec3(0.01, 0, -0.1); // pulled away and aside
+  x[0] += Vec3(0.01, 0, -0.1); // vertex 0 is pulled away and aside
   f.assign(4, Vec3::Zero());
   add_tie_forces({tie}, x, f);
   EXPECT_NEAR(f[0][2], -0.3 + 6 * 0.1, 1e-12);

@@ -1,4 +1,4 @@
-"""A straight vessel before and after a procedure, as the study's files describe it; its flow is Poiseuille's."""
+"""A straight vessel with Poiseuille flow, before and after a procedure, as the study's files describe it."""
 
 import numpy as np
 import pandas as pd
@@ -13,7 +13,7 @@ BALLOON = {"kind": "balloon", "chart": {"pressure_bar": [4, 16]}, "rated_burst_p
 
 
 class Vessel:
-    """What whatif reads of a case: two states of one tube, of radius 1 mm before and 1.4 mm after."""
+    """What whatif reads of a case: a tube with a radius of 1 mm before PCI, and larger ones in the states after it."""
 
     def __init__(self):
         self.flow_settings = settings_module.make()

@@ -1,4 +1,4 @@
-"""What the tests of the anatomy share: running `lumen process` and reading what it wrote."""
+"""Fixtures of the anatomy's tests, which run `lumen process` and read what it wrote."""
 
 import csv
 import json
@@ -21,7 +21,7 @@ def lumen(binary):
 
 @pytest.fixture(scope="session")
 def process(lumen):
-    """process(surface, out, *options) -> (summary, rows of sections.csv); asserts success."""
+    """process(surface, out, *options) -> (anatomy.json, rows of sections.csv). Asserts that the command succeeds."""
 
     def run(surface, out, *options):
         done = lumen(surface, out, *options)

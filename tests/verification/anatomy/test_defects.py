@@ -1,4 +1,4 @@
-"""Each defect made on purpose in a good tube: the repair that is reported, or the error with its place."""
+"""Each defect is made on purpose in a good tube. It must be repaired and reported, or refused with its place."""
 
 import json
 
@@ -18,7 +18,7 @@ def volume(points, triangles):
 
 
 def wall_triangle(points, triangles):
-    """A triangle half way along the tube."""
+    """Number of a triangle half way along the tube."""
     middle = surfaces.arc(0.1)(np.array([10.0]))[0]
     return int(np.linalg.norm(points[triangles].mean(axis=1) - middle, axis=1).argmin())
 
@@ -83,7 +83,7 @@ def degenerate(points, triangles):
 
 
 def t_junctions(points, triangles):
-    """Edges divided on one side only, by points exactly on them: coordinates are multiples of 2^-16."""
+    """Edges are divided on one side only, by points exactly on them, since coordinates are multiples of 2^-16."""
     points = np.round(points * 2**16) / 2**16
     added, pieces, whole = [], [], np.ones(len(triangles), dtype=bool)
     for t in range(0, len(triangles), 17):
@@ -171,7 +171,7 @@ def test_implausible_scale_is_refused(lumen, tube, tmp_path, scale, declared, li
 
 
 def test_a_wide_vessel_in_centimetres_is_refused(lumen, tmp_path):
-    """Long enough for a vessel in mm, but of 0.27 mm radius throughout."""
+    """Its length is plausible in mm, but its radius would be below 0.3 mm throughout."""
     points, triangles = surfaces.tube(surfaces.straight, lambda s: 2.9 + 0 * s, 60)
     surface = surfaces.write(tmp_path / "tube.vtp", 0.1 * points, triangles)
     done = lumen(surface, tmp_path / "out")
@@ -192,7 +192,7 @@ def test_a_ball_is_refused_with_a_remedy(lumen, tmp_path):
 
 @pytest.mark.parametrize("edge", [1.2, 1.6])
 def test_facets_of_a_coarse_wall_are_no_ends(lumen, tmp_path, edge):
-    """Eight and six facets round, 300 and 150 triangles: the two ends alone; the facets' own volume is kept."""
+    """With eight or six facets round, only the two ends are ends. The lumen keeps the volume of the facets."""
     given = surfaces.tube(surfaces.arc(0.1), lambda s: 1.5 + 0 * s, 20, edge)
     done = lumen(surfaces.write(tmp_path / "tube.vtp", *given), tmp_path / "out")
     assert done.returncode == 0, done.stderr
@@ -202,7 +202,7 @@ def test_facets_of_a_coarse_wall_are_no_ends(lumen, tmp_path, edge):
 
 
 def test_another_vessel_is_warned_of(lumen, tube, tmp_path):
-    """A speck is dropped and said; a vessel of comparable size is warned of with its place and the kept one's."""
+    """A speck is dropped and reported. A vessel of comparable size gives a warning with both vessels' places."""
     points, triangles = tube
     for scale, offset, warns in ((1.0, 12.0, True), (0.55, 12.0, True), (0.2, 9.0, False)):
         both = np.vstack([points, scale * points + [0, 0, offset]]), np.vstack([triangles, triangles + len(points)])
@@ -218,7 +218,7 @@ def test_another_vessel_is_warned_of(lumen, tube, tmp_path):
 
 
 def test_the_two_sides_of_a_wall_are_no_lumen(lumen, tmp_path):
-    """The outer side is larger. Its ends would be too wide, and a lesion hardly seen. The inlet chooses the lumen."""
+    """The outer side is larger: as a lumen it would have too wide ends and too mild lesions. The inlet chooses."""
 
     def side(thickness):
         return surfaces.tube(surfaces.arc(0.02), lambda s: 1.5 + thickness + 0 * s, 20, 0.3)
@@ -235,7 +235,7 @@ def test_the_two_sides_of_a_wall_are_no_lumen(lumen, tmp_path):
 
 
 def test_a_shorter_vessel_beside_the_curve_of_another_is_no_wall(lumen, tmp_path):
-    """Its box lies within the other's, and is 0.85 times as long."""
+    """Its bounding box lies within the other's and is 0.85 times as long."""
     points, triangles = surfaces.tube(surfaces.arc(0.06), lambda s: 1.5 + 0 * s, 30, 0.3)
     inner, around = surfaces.tube(surfaces.arc(0.06), lambda s: 1.0 + 0 * s, 25.5, 0.3)
     middle, other = (0.5 * (one.min(axis=0) + one.max(axis=0)) for one in (points, inner))
@@ -250,7 +250,7 @@ def test_a_shorter_vessel_beside_the_curve_of_another_is_no_wall(lumen, tmp_path
 
 
 def test_the_inlet_chooses_the_vessel_and_a_lost_piece_is_told(lumen, tube, tmp_path):
-    """A piece of 6 mm is small beside the whole, yet a branch may be lost with it."""
+    """A piece of 6 mm is small beside the whole, but it may be a lost branch."""
     points, triangles = tube
     far = 0.3 * points + [0, 0, 9]
     length = np.linalg.norm(np.ptp(far, axis=0))
@@ -317,7 +317,7 @@ def test_command_line_that_is_not_understood(lumen, tube, tmp_path, options, sai
 
 
 def test_a_fold_at_the_highest_vertex_does_not_turn_the_surface(process, tmp_path):
-    """Two points of the rim have changed places beside the highest one, whose triangles then face inward."""
+    """The rim's two points beside the highest one have changed places, so that the triangles there face inward."""
     points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 16, edge=0.3)
     points = points[:, [1, 2, 0]]
     before, top, after = np.flatnonzero((points[:, 2] > 15.9) & (np.hypot(points[:, 0], points[:, 1]) > 1))[4:7]

@@ -1,4 +1,4 @@
-"""Ends of every kind: rounded ones cut flat, ends given as points or cap files, cuts on request, flow extensions."""
+"""Ends of every kind: rounded ends cut flat, ends given as points or cap files, cuts on request, flow extensions."""
 
 import csv
 import subprocess
@@ -16,20 +16,20 @@ TREE = [
 
 @pytest.fixture
 def summary_of(process, tmp_path):
-    """summary_of(surface, *options) -> summary of what went to tmp_path / "out"; asserts success."""
+    """summary_of(surface, *options) -> anatomy.json of the lumen, written to tmp_path / "out"."""
     return lambda surface, *options: process(surface, tmp_path / "out", *options)[0]
 
 
 @pytest.fixture(scope="module")
 def rounded(tmp_path_factory):
-    """The tree, closed, with half balls for ends."""
+    """File of the tree as a closed surface with half balls as ends."""
     folder = tmp_path_factory.mktemp("rounded")
     return surfaces.write(folder / "tree.vtp", *surfaces.tree(TREE, rounded=True))
 
 
 @pytest.mark.parametrize("corners, spacing", [(24, 0.5), (12, 0.8)])
 def test_coarse_lofts_with_rounded_ends(summary_of, tmp_path, corners, spacing):
-    """At the seams of coarse lofts the balls of the vertices alone do not hang together."""
+    """At the seams of coarse lofts the inner balls of the vertices alone do not overlap."""
     pieces = []
     for a, b, r0, r1 in ((TREE[0]), ((16, 0, 0), (16 + 14 * np.cos(0.9), 14 * np.sin(0.9), 0.3), 0.8, 0.7)):
         length = float(np.linalg.norm(np.subtract(b, a)))
@@ -48,7 +48,7 @@ def reported(summary, what):
 
 @pytest.mark.parametrize("edge, noise, seed", [(0.15, 0.04, 3), (0.2, 0.06, 3), (0.2, 0.05, 1)])
 def test_rough_flat_ends(summary_of, tmp_path, edge, noise, seed):
-    """A part of a rough cap is no end; its farthest vertex lies on the rim, and no ball touches it in the corner."""
+    """A part of a rough cap is no end. Its farthest vertex lies on the rim, in a corner that no inner ball touches."""
     points, triangles = surfaces.tube(surfaces.straight, lambda s: np.interp(s, [2, 10], [1.8, 0.8]), 12, edge)
     summary = summary_of(surfaces.write(tmp_path / "t.stl", lofts.noised(points, noise, seed), triangles))
     inlet, outlet = summary["ends"]
@@ -60,7 +60,7 @@ def test_rough_flat_ends(summary_of, tmp_path, edge, noise, seed):
 
 
 def test_a_vertex_that_stands_out_of_a_cap_is_of_the_cap(summary_of, tmp_path):
-    """Its triangles are in no plane; as an island of wall in the flattened cap they would fold."""
+    """The vertex' triangles lie in no plane. As a piece of wall within the flattened cap they would fold."""
     fine = surfaces.vtk.vtkLinearSubdivisionFilter()
     fine.SetInputData(surfaces.polydata(*surfaces.tube(surfaces.straight, lambda s: 2 + 0 * s, 12, 0.6)))
     fine.SetNumberOfSubdivisions(2)
@@ -83,12 +83,12 @@ def test_rounded_ends_are_cut_across_the_axis(summary_of, rounded):
         axis = np.subtract(b, a) / np.linalg.norm(np.subtract(b, a))
         from_tip = axis @ np.subtract(b, end["centre_mm"])
         assert np.degrees(np.arccos(axis @ end["normal"])) < 3
-        assert 0 < from_tip < 0.7 * r1  # of the vessel itself no more than this is lost
+        assert 0 < from_tip < 0.7 * r1  # no more of the vessel is cut off
         assert np.linalg.norm(np.subtract(b, end["centre_mm"]) - from_tip * axis) < 0.05
         assert end["diameter_mm"] == pytest.approx(2 * r1, rel=0.03)
 
 
-@pytest.mark.parametrize("seed", [1, 4])  # 4: the vertex at a tip stands out so far that no ball touches it
+@pytest.mark.parametrize("seed", [1, 4])  # with 4 a tip's vertex stands out so far that no ball touches it
 def test_noisy_rounded_ends(summary_of, tmp_path, seed):
     points, triangles = surfaces.tree(TREE, rounded=True)
     points = points + 0.05 * np.random.default_rng(seed).standard_normal(points.shape)
@@ -100,9 +100,9 @@ def test_noisy_rounded_ends(summary_of, tmp_path, seed):
 
 
 def stub_tree():
-    """A vessel with two flat ends and a side branch that ends in a half ball."""
+    """[(points, triangles)] of two pieces: a vessel with flat ends, and the rounded end of its side branch."""
     a, b = surfaces.tree(TREE), surfaces.tree(TREE, rounded=True)
-    # the open tree below y = 4, the rounded one above it
+    # the tree with flat ends up to y = 4, the rounded one above that
     return [(p, t[(p[t].mean(axis=1)[:, 1] > 4) == above]) for (p, t), above in ((a, False), (b, True))]
 
 
@@ -123,7 +123,7 @@ def test_an_opening_that_no_point_names_is_refused_unless_the_user_closes_it(lum
     surface = surfaces.write(tmp_path / "tree.vtp", *surfaces.tree(TREE))
     done = lumen(surface, tmp_path / "out", "--inlet", "0,0,0", "--outlet", "30,0,0")
     assert done.returncode == 2 and "not named" in done.stderr and "--close-others" in done.stderr
-    assert "(17.59, 7.05" in done.stderr  # the opening that was left out, and those that were named
+    assert "(17.59, 7.05" in done.stderr  # the message names this opening, which no point names, and the other two
     assert done.stderr.count("open, diameter") == 3
     summary = summary_of(surface, "--inlet", "0,0,0", "--outlet", "30,0,0", "--close-others")
     assert len(summary["ends"]) == 2 and len(summary["branches"]) == 1
@@ -145,7 +145,7 @@ def test_the_facets_of_a_loft_are_wall(summary_of, tmp_path, corners, spacing, b
 
 @pytest.mark.parametrize("corners, spacing", [(24, 0.2), (10, 0.2)])
 def test_a_regular_loft_of_short_triangles_is_remeshed(summary_of, tmp_path, corners, spacing):
-    """Its long edges are as wanted, and no collapse of the short ones leaves them so: remeshing changed nothing."""
+    """Its long edges already have the wanted length, and collapses of the short ones would change them. It is remeshed anyway."""
     points, triangles = lofts.loft(surfaces.arc(0.02), lambda s: 1.5 + 0 * s, 25, corners, spacing)
     summary = summary_of(surfaces.write(tmp_path / "loft.stl", points, triangles))
     assert summary["mesh"]["min_angle_deg"] > 30
@@ -158,13 +158,13 @@ def test_slanted_ends_stay_as_they_are(summary_of, tmp_path, slant):
     assert len(summary["ends"]) == 2 and reported(summary, "rounded end cut flat") == 0
     for end in summary["ends"]:
         assert np.degrees(np.arccos(abs(end["normal"][0]))) == pytest.approx(slant, abs=1)
-        # the flow is split by the vessel's width, not by the cap's, which is 14 % wider at 40 degrees
+        # diameter_mm splits the flow, so it is the vessel's width; the cap is 14 % wider at 40 degrees
         assert end["diameter_mm"] == pytest.approx(3.0, abs=0.06)
         assert end["area_mm2"] == pytest.approx(np.pi * 1.5**2 / np.cos(np.radians(slant)), rel=0.03)
 
 
 def test_flat_ends_with_chamfered_rims(summary_of, tmp_path):
-    """A contoured field leaves a chamfer one grid cell wide round each flat end, which makes its outline a zigzag."""
+    """A surface contoured on a grid has a chamfer one cell wide round each flat end, so the end's outline is a zigzag."""
     low, field = surfaces.tree_field(TREE)
     grid = low + 0.2 * np.moveaxis(np.indices(field.shape), 0, -1)
     flat = [(-1.0, 0, 0), *(np.subtract(b, a) / np.linalg.norm(np.subtract(b, a)) for a, b, _, _ in TREE)]
@@ -183,7 +183,7 @@ def test_flat_ends_with_chamfered_rims(summary_of, tmp_path):
 
 @pytest.mark.parametrize("edge", [0.25, 0.3])
 def test_a_flat_end_whose_rim_was_smoothed_is_as_wide_as_its_vessel(summary_of, tmp_path, edge):
-    """Its flat part has half of the section, so the vessel would run from its narrow, round end to its wide one."""
+    """The flat part of such an end has only half of the vessel's section, so it must not give the end's diameter."""
     points, triangles = surfaces.tube(surfaces.straight, lambda s: np.interp(s, [0, 25], [1.7, 1.4]), 25, 0.3)
     summary = summary_of(surfaces.write(tmp_path / "t.stl", *lofts.contoured(points, triangles, edge)))
     inlet, outlet = summary["ends"]
@@ -194,7 +194,7 @@ def test_a_flat_end_whose_rim_was_smoothed_is_as_wide_as_its_vessel(summary_of, 
 
 @pytest.mark.parametrize("angle, told", [(0.9, False), (np.pi - 0.9, True), (np.radians(112), False)])
 def test_side_branches_that_lean_back_speak_against_the_inlet(summary_of, tmp_path, angle, told):
-    """One branch may leave at 112 degrees, as a conus branch does; at 128 the vessel runs the other way."""
+    """One branch may leave at 112 degrees, as a conus branch does. At 128 degrees the inlet must be at the other end."""
     side = ((15, 0, 0), (15 + 9 * np.cos(angle), 9 * np.sin(angle), 0), 0.8, 0.7)
     summary = summary_of(surfaces.write(tmp_path / "t.stl", *surfaces.tree([((0, 0, 0), (30, 0, 0), 1.9, 1.6), side])))
     assert (reported(summary, "inlet chosen by its width alone") > 0) == told
@@ -227,7 +227,7 @@ def test_a_cut_away_from_the_vessel_is_refused(lumen, tmp_path):
 @pytest.mark.parametrize("option", ["--inlet", "--outlet", "--cut"])
 @pytest.mark.parametrize("point", ["nan,0,0", "0,inf,0"])
 def test_a_point_of_no_numbers_is_refused(lumen, tmp_path, option, point):
-    """Every distance to it compares as not larger: it was taken for the first end."""
+    """No distance to such a point compares as larger, so it would be taken for the first end."""
     surface = surfaces.write(tmp_path / "tube.vtp", *surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 15))
     done = lumen(surface, tmp_path / "out", option, point)
     assert done.returncode == 2 and option in done.stderr and "no number" in done.stderr
@@ -252,7 +252,7 @@ def test_caps_given_as_files(summary_of, lumen, tmp_path, wall):
         names.append(surfaces.write(tmp_path / f"{name}.stl", points, triangles[cells]))
     body = triangles[~(first | last)] if wall == "open" else triangles
     surface = surfaces.write(tmp_path / "wall.stl", points, body)
-    summary = summary_of(surface, "--cap", names[0], "--cap", names[1])  # the smaller end as the inlet
+    summary = summary_of(surface, "--cap", names[0], "--cap", names[1])  # the first cap, here at the smaller end, is the inlet
     assert summary["ends"][0]["kind"] == "inlet"
     assert summary["ends"][0]["centre_mm"] == pytest.approx(points[-1], abs=0.01)
     assert summary["ends"][0]["area_mm2"] == pytest.approx(np.pi * 1.4**2, rel=0.02)
@@ -262,7 +262,7 @@ def test_caps_given_as_files(summary_of, lumen, tmp_path, wall):
 
 
 def cap_files(folder, points, triangles):
-    """(surface, cap of the first end, cap of the last) of a tube, the caps with the surface's own triangles."""
+    """Files of a tube: (surface, cap of the first end, cap of the last end). The caps have the surface's triangles."""
     first, last = ((triangles == len(points) - k).any(axis=1) for k in (2, 1))
     caps = [surfaces.write(folder / f"{k}.stl", points, triangles[at]) for k, at in enumerate((first, last))]
     return surfaces.write(folder / "wall.stl", points, triangles), *caps
@@ -271,8 +271,8 @@ def cap_files(folder, points, triangles):
 @pytest.mark.parametrize("height_mm", [1.2, 8.0])
 @pytest.mark.parametrize("wall", ["open", "closed"])
 def test_a_dome_as_cap_file_is_opened_at_its_rim(summary_of, tmp_path, wall, height_mm):
-    """The very triangles of a rounded end: the user's word is that the vessel ends where they begin. The middle of a
-    tall one is several radii from there."""
+    """The cap file has the triangles of a rounded end, so the vessel ends where they begin. The middle of a tall dome is
+    several radii from there."""
     points, triangles = surfaces.tube(surfaces.arc(0.1), lambda s: 1.6 - 0.01 * s, 20)
     flat = points[-2].copy()
     points[-2] -= [height_mm, 0, 0]
@@ -289,8 +289,8 @@ def test_a_dome_as_cap_file_is_opened_at_its_rim(summary_of, tmp_path, wall, hei
 @pytest.mark.parametrize("cut_at", [0.95, 0.8, 0.45])
 @pytest.mark.parametrize("wall", ["open", "closed"])
 def test_a_cap_file_of_a_shallow_tip_names_its_end(summary_of, tmp_path, wall, cut_at):
-    """The first end is a half ball, cut where it has this share of the radius. Beside the rim the wall lies nearly in
-    the rim's plane, as round a hole. The user's word keeps it open; a much narrower end is warned of."""
+    """The first end is a half ball, cut where it has the share `cut_at` of the radius. Beside the rim the wall lies nearly
+    in the rim's plane, as round a hole. The cap file keeps it open. An end much narrower than its vessel is reported."""
     radius = lambda s: np.where(s < 1.5, np.sqrt(np.maximum(1.5**2 - (s - 1.5) ** 2, 1e-6)), 1.5)  # noqa: E731
     start = 1.5 * (1 - np.sqrt(1 - cut_at**2))
     points, triangles = surfaces.tube(surfaces.straight, lambda s: radius(s + start), 20, 0.2)
@@ -306,7 +306,7 @@ def test_a_cap_file_of_a_shallow_tip_names_its_end(summary_of, tmp_path, wall, c
 
 
 def test_the_mouth_of_a_funnel_is_an_end_where_a_point_says_so(summary_of, tmp_path):
-    """Its lip lies within 7 degrees of the rim's plane, as the wall does round a hole."""
+    """The funnel's lip lies within 7 degrees of the rim's plane, like the wall round a hole."""
     radius = lambda s: np.interp(s, [0, 0.2, 0.3, 0.6], [3, 2, 1.7, 1.5])  # noqa: E731
     points, triangles = surfaces.tube(surfaces.straight, radius, 20, 0.1, capped=False)
     points[:, 0] = np.where(points[:, 0] < 0.2, 0.2 + (points[:, 0] - 0.2) * 0.6, points[:, 0])
@@ -336,7 +336,7 @@ def test_a_hole_in_a_given_cap_is_filled(summary_of, tmp_path):
 
 @pytest.mark.parametrize("off_mm", [0.13, 0.3, 0.5])
 def test_a_cap_file_whose_rim_is_a_saddle_names_one_end(summary_of, tmp_path, off_mm):
-    """Its rim is up to a third of the radius off its plane. A rim that would fold when flattened is cut behind it."""
+    """The rim is off its plane by up to a third of the radius. If it would fold when flattened, it is cut off."""
     points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 20)
     rim = np.isclose(points[:, 0], 20) & (np.hypot(points[:, 1], points[:, 2]) > 1)
     angle = np.arctan2(points[rim, 2], points[rim, 1])
@@ -349,7 +349,7 @@ def test_a_cap_file_whose_rim_is_a_saddle_names_one_end(summary_of, tmp_path, of
 
 
 def test_a_cap_file_of_a_band_of_wall_is_refused(lumen, tmp_path):
-    """Without it the surface has two openings more: it does not close an end."""
+    """Without the band the surface has two more openings. A cap closes one end, so this is no cap."""
     points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 20)
     surface, inlet, _ = cap_files(tmp_path, points, triangles)
     band = np.abs(points[triangles][:, :, 0].mean(axis=1) - 10) < 2
@@ -373,7 +373,7 @@ def test_flow_extensions(summary_of, tmp_path):
     assert summary["mesh"]["volume_mm3"] - plain["mesh"]["volume_mm3"] == pytest.approx(added, rel=0.02)
     with (tmp_path / "out" / "sections.csv").open() as file:
         main = [row for row in csv.DictReader(file) if row["branch"] == "main" and row["flag"] != "end"]
-    # the vessel's own sections alone count, now right up to where it was cut
+    # only the vessel's own sections are not flagged `end`, now up to the places where it was cut
     x = np.array([float(row["x_mm"]) for row in main])
     assert -0.01 < x.min() < 0.6 and 29.4 < x.max() < 30.01
     again = summary_of(tmp_path / "out" / "lumen.vtp", "--like", tmp_path / "out" / "anatomy.json")

@@ -13,13 +13,13 @@ TURN = np.array([[np.cos(0.4), -np.sin(0.4), 0], [np.sin(0.4), np.cos(0.4), 0], 
 
 
 def vessel(matrix, shape, ends=((15, 20, 11), (66, 30, 12)), radii=(1.6, 1.3)):
-    """(labels, start mm, end mm) of one straight cone between two voxel indices."""
+    """(labels, start, end) of a straight cone between two voxel indices; start and end are points in mm."""
     a, b = (matrix[:3, :3] @ np.array(index) + matrix[:3, 3] for index in ends)
     return masks.capsules(masks.voxels(shape, matrix), [(a, b, *radii)]).astype(int), a, b
 
 
 def measured(out, a, b, radii):
-    """(distance to the axis, area over the truth) of the sections away from the ends."""
+    """(distances from the axis in mm, areas over the true area) of the sections away from the ends."""
     with (out / "sections.csv").open() as file:
         rows = [row for row in csv.DictReader(file) if row["flag"] == "ok"]
     x = np.array([[float(row[k]) for k in ("x_mm", "y_mm", "z_mm")] for row in rows])
@@ -38,7 +38,7 @@ def test_formats_and_orientations(lumen, tmp_path, suffix, hand):
     done = lumen(masks.WRITERS[suffix](tmp_path / f"mask{suffix}", 3 * labels, matrix), tmp_path / "out")
     assert done.returncode == 0, done.stderr
     off, ratio = measured(tmp_path / "out", a, b, (1.6, 1.3))
-    assert off.max() < 0.1  # a quarter of a voxel: a wrong origin, order or sign is millimetres
+    assert off.max() < 0.1  # a quarter of a voxel; a wrong origin, order or sign gives millimetres
     assert abs(ratio.mean() - 1) < 0.03 and ratio.std() < 0.04
     summary = json.loads((tmp_path / "out" / "anatomy.json").read_text())
     assert "normals turned outward" not in [repair["what"] for repair in summary["repairs"]]
@@ -50,7 +50,7 @@ OBLIQUE = np.linalg.qr(np.random.default_rng(3).standard_normal((3, 3)))[0]
 @pytest.mark.parametrize("hand", [1, -1])
 @pytest.mark.parametrize("form", ["qform", "sform before another qform"])
 def test_nifti_forms(lumen, tmp_path, form, hand):
-    """Oblique slices of 0.8 mm by quaternion, and by an sform, which is preferred, beside another quaternion."""
+    """Slices of 0.8 mm lie obliquely, by the qform or by an sform. An sform counts even if there is another qform."""
     matrix = masks.affine([0.35, 0.35, 0.8], OBLIQUE @ np.diag([1, 1, hand]), [-50, 17, -33])
     labels, a, b = vessel(matrix, (82, 56, 20), ((12, 20, 8), (66, 36, 11)))
     options = {"qform": matrix, "use_sform": False}
@@ -94,7 +94,7 @@ def test_a_lumen_of_few_voxels_is_said_with_its_place(lumen, tmp_path, voxels):
 
 
 def test_few_voxels_at_the_end_of_a_healthy_vessel_are_noted(lumen, tmp_path):
-    """From 1.6 to 0.9 mm in radius: below two voxels of 0.5 mm over the last few mm, where nothing is narrowed."""
+    """The radius falls from 1.6 to 0.9 mm: below two voxels of 0.5 mm over the last few mm, but without a narrowing."""
     matrix = masks.affine([0.5] * 3)
     labels, *_ = vessel(matrix, (122, 36, 38), ((10.3, 15.1, 16.7), (110.2, 19.4, 20.9)), (1.6, 0.9))
     done = lumen(masks.nrrd(tmp_path / "mask.nrrd", labels, matrix), tmp_path / "out")
@@ -111,7 +111,7 @@ def test_few_voxels_at_the_end_of_a_healthy_vessel_are_noted(lumen, tmp_path):
     ids=["lost", "coarse", "fine", "no grid"],
 )
 def test_a_surface_of_few_voxels_says_its_error(process, tmp_path, grid, voxels, percent):
-    """A throat in a file that does not say it was segmented; the same drawn without a grid has no such error."""
+    """The file does not say that the throat comes from voxels. The same throat without a grid has no such error."""
     throat = 0.35 * voxels if grid is None else grid * voxels
     radius = lofts.narrowed(1.5, 100 * (1 - throat / 1.5), 12, 8)
     points, triangles = surfaces.tube(surfaces.arc(0.05), radius, 24, edge=0.25)
@@ -127,7 +127,7 @@ def test_a_surface_of_few_voxels_says_its_error(process, tmp_path, grid, voxels,
 
 @pytest.mark.parametrize("radius", [1.0, 1.5])
 def test_area_is_not_biased(lumen, tmp_path, radius):
-    """A single Gaussian of this width loses 7 % of the area at R = 1 mm, 3 % at R = 1.5 mm."""
+    """A single Gaussian filter of the same width would lose 7 % of the area at R = 1 mm, and 3 % at R = 1.5 mm."""
     ratios = []
     for seed in range(2):
         directions = np.linalg.qr(np.random.default_rng(seed).standard_normal((3, 3)))[0]
@@ -153,7 +153,7 @@ def test_the_label_is_chosen(lumen, tmp_path):
 
 
 def test_background_and_images_are_no_masks(lumen, tmp_path):
-    """The lumen's complement, a full image, and CT values: refused as what they are, in a few lines."""
+    """The lumen's complement, a full image and CT values are refused. A short message says what they are."""
     matrix = masks.affine([0.4] * 3)
     labels, *_ = vessel(matrix, (82, 50, 24))
     for wrong, said in (
@@ -179,7 +179,7 @@ def test_islands_are_dropped_and_said(lumen, tmp_path):
 
 @pytest.mark.parametrize("inlet, x_mm", [(None, 10), ("6,8,12.5", 10), ("6,14,4.5", 8)])
 def test_the_inlet_chooses_between_two_vessels_of_a_label(lumen, tmp_path, inlet, x_mm):
-    """Without it the larger one is kept, as a label with both coronary trees has them."""
+    """A label may hold both coronary trees. Without an inlet the larger vessel is kept."""
     matrix = masks.affine([0.4] * 3)
     labels, *_ = vessel(matrix, (82, 50, 44), ((15, 20, 31), (66, 30, 32)))
     labels |= vessel(matrix, (82, 50, 44), ((15, 35, 11), (56, 35, 11)))[0]
@@ -193,7 +193,7 @@ def test_the_inlet_chooses_between_two_vessels_of_a_label(lumen, tmp_path, inlet
 
 
 def test_divided_voxels_are_no_finer_image(lumen, tmp_path):
-    """Halved labels, the remedy for a throat that is lost between voxels, have the errors of the voxels segmented."""
+    """Voxels are halved to keep a throat that is lost between them. The error is still the error of whole voxels."""
     matrix = masks.affine([0.4] * 3)
     labels, *_ = vessel(matrix, (82, 50, 24), radii=(0.75, 0.7))
     coarse = lumen(masks.meta(tmp_path / "mask.mha", labels, matrix), tmp_path / "out")
@@ -207,7 +207,7 @@ def test_divided_voxels_are_no_finer_image(lumen, tmp_path):
 
 @pytest.mark.parametrize("wall, told", [(False, True), (True, False)], ids=["branches", "wall"])
 def test_labels_that_one_vessel_goes_on_into_are_told(lumen, tmp_path, wall, told):
-    """One label a branch: the label that is named is a part of the lumen. A label of the wall is no lumen."""
+    """If each branch has a label, the given label is only a part of the lumen. A label of the wall is no lumen."""
     matrix = masks.affine([0.4] * 3)
     labels, a, b = vessel(matrix, (82, 50, 24))
     if wall:
@@ -228,7 +228,7 @@ def test_labels_that_one_vessel_goes_on_into_are_told(lumen, tmp_path, wall, tol
 
 @pytest.mark.parametrize("axis, slices", [(0, 1), (0, 3), (1, 1)])
 def test_a_vessel_with_empty_slices_is_refused(lumen, tmp_path, axis, slices):
-    """Its far part was left out. An outlet at the gap, cut between voxels, looked like a lesion."""
+    """Otherwise the part behind the gap would be left out, and the outlet at the gap would look like a lesion."""
     matrix = masks.affine([0.4] * 3)
     labels, *_ = vessel(matrix, (82, 50, 24))
     np.moveaxis(labels, axis, 0)[(48, 25)[axis] :][:slices] = 0
@@ -239,7 +239,7 @@ def test_a_vessel_with_empty_slices_is_refused(lumen, tmp_path, axis, slices):
 
 @pytest.mark.parametrize("size, told", [(2, False), (3, True)])
 def test_a_cavity_counts_as_lumen(lumen, tmp_path, size, told):
-    """Calcium cut out of the label: it was refused as a piece of lumen that stands alone."""
+    """Calcium that was cut out of the label leaves a cavity. It must not be refused as a separate piece of lumen."""
     matrix = masks.affine([0.4] * 3)
     labels, *_ = vessel(matrix, (82, 50, 24))
     whole = lumen(masks.meta(tmp_path / "whole.mha", labels, matrix), tmp_path / "whole")
@@ -253,7 +253,7 @@ def test_a_cavity_counts_as_lumen(lumen, tmp_path, size, told):
 
 
 def test_a_gap_in_the_vessel_alone_is_said(lumen, tmp_path):
-    """Another vessel goes through the slice, which was segmented therefore. The far part may be a third one."""
+    """Another vessel goes through the empty slice, so it was segmented. The part behind it may be a third vessel."""
     matrix = masks.affine([0.4] * 3)
     labels, *_ = vessel(matrix, (82, 50, 44), ((15, 15, 31), (66, 20, 32)))
     labels[48] = 0
@@ -265,11 +265,11 @@ def test_a_gap_in_the_vessel_alone_is_said(lumen, tmp_path):
 
 
 def test_pieces_that_touch_by_corners_are_one_vessel(lumen, tmp_path):
-    """Most segmentation tools count them as one piece."""
+    """Most segmentation tools count pieces that touch by corners as one piece."""
     matrix = masks.affine([0.4] * 3)
     labels, *_ = vessel(matrix, (82, 50, 24))
     i, j = np.meshgrid(np.arange(82), np.arange(50), indexing="ij")
-    labels[i + j == 65] = 0  # what is left on both sides touches by the voxels' edges
+    labels[i + j == 65] = 0  # the parts on both sides touch only by edges of voxels
     done = lumen(masks.meta(tmp_path / "mask.mha", labels, matrix), tmp_path / "out")
     assert done.returncode == 0 and "left out" not in done.stderr, done.stderr
     summary = json.loads((tmp_path / "out" / "anatomy.json").read_text())

@@ -1,4 +1,4 @@
-"""Boundary values against the method's formulas, worked out by hand."""
+"""Compares boundary values with the method's formulas, worked out by hand."""
 
 import json
 import math
@@ -27,7 +27,7 @@ def test_pressures_out_of_order_are_refused(sbp, dbp):
 
 
 def test_hyperaemic_flow():
-    # 0.71 * 150^0.75 = 30.4322 mL/min at rest
+    # 0.71 * 150^0.75 = 30.4 mL/min at rest, for a mass of 150 g
     expected = 0.71 * np.exp(0.75 * np.log(150)) / 0.16
     assert hyperaemia.flow_of_mass(150, 0.16) * 6e7 == pytest.approx(expected, rel=1e-12)
     assert expected == pytest.approx(190.2, abs=0.2)
@@ -118,7 +118,7 @@ WIRE = {"ffr_pre": 0.7, "ffr_post": None}
 
 @pytest.mark.parametrize("place", [{"branch": "main", "s_mm": 48.0}, {"point_mm": [48.0, 2.8, 0.0]}])
 def test_the_wires_sensor_is_one_more_probe(settings, place):
-    """By arc length, or by a point as far off the axis as one may be that lies at the wall of a dilated vessel."""
+    """The place is an arc length, or a point as far from the axis as the wall of a dilated vessel, which is allowed."""
     measured = {**WIRE, "probe": place}
     document = boundary.make(_anatomy(), _tree(), PATIENT, settings, measured)
     *others, last = document["probes"]
@@ -148,7 +148,7 @@ def test_a_sensor_less_than_a_radius_beyond_the_end_is_at_the_end(settings, plac
 
 
 def test_unusual_values_are_said(settings):
-    """A wire's FFR that falls by the procedure, and an inflow that no heart has; both are computed with."""
+    """A wire's FFR that falls by the procedure, or an implausible inflow, gives a warning and is used all the same."""
     patient = PATIENT | {"hyperaemic_inflow_ml_per_min": 900, "lvm_g": None}
     measured = {"ffr_pre": 0.92, "ffr_post": 0.71, "probe": {"branch": "main", "s_mm": 48.0}}
     flow, swapped = boundary.make(_anatomy(), _tree(), patient, settings, measured)["warnings"]
@@ -164,7 +164,7 @@ def test_unusual_values_are_said(settings):
 
 @pytest.mark.parametrize("branch, s_mm, doubted", [("main", 2.5, True), ("side1", 9.0, True), ("main", 48.0, False)])
 def test_a_sensor_upstream_of_every_lesion_is_doubted(settings, branch, s_mm, doubted):
-    """Also one in a side branch that leaves before the lesion; without lesions nothing is to be said."""
+    """A sensor in a side branch that leaves before the lesion is doubted, too. Without lesions there is no warning."""
     lesion = {"branch": "main", "s_start_mm": 25.0, "s_end_mm": 33.0}
     tree = [
         {"name": "main", "parent": None, "s_on_parent_mm": None, "length_mm": 60.0},
@@ -175,7 +175,7 @@ def test_a_sensor_upstream_of_every_lesion_is_doubted(settings, branch, s_mm, do
     said = boundary.make(anatomy, _tree(), PATIENT, settings, measured)["warnings"]
     assert len(said) == doubted and all("upstream of every lesion" in one and "33.0 mm of main" in one for one in said)
     assert boundary.make(anatomy | {"lesions": []}, _tree(), PATIENT, settings, measured)["warnings"] == []
-    tree[1]["s_on_parent_mm"] = 40.0  # beyond the lesion its reading is the lesion's
+    tree[1]["s_on_parent_mm"] = 40.0  # a branch that leaves beyond the lesion shows its effect
     if branch == "side1":
         assert boundary.make(anatomy, _tree(), PATIENT, settings, measured)["warnings"] == []
 
@@ -217,7 +217,7 @@ THINNING = viscosity.from_settings(settings_module.make(viscosity_model="carreau
 
 
 def _changed(place, value):
-    """boundary.json of the tree with the value at `place`, a tuple of keys, changed, or taken out where it is None."""
+    """boundary.json of the tree with one value changed, or removed if `value` is None. place: the keys of the value."""
     document = boundary.make(_anatomy(), _tree(), PATIENT, settings_module.make())
     document = json.loads(json.dumps(document))
     inner = document
@@ -338,13 +338,13 @@ def test_a_file_of_another_kind_ends_with_one_clear_error(tmp_path, capsys, spoi
 def test_a_probe_of_another_vessel_is_refused_before_anything_is_solved():
     probes = [{"name": "distal", "branch": "main", "point_mm": [12.0, 2.9, 0.0]}]
     ffr.check_probes(probes, _tree())
-    probes[0]["point_mm"][1] = 3.1  # two radii are 3 mm
+    probes[0]["point_mm"][1] = 3.1  # further than two radii, 3 mm, from the axis
     with pytest.raises(InputError, match="distal"):
         ffr.check_probes(probes, _tree())
 
 
 def test_a_probe_in_metres_is_refused(settings):
-    """It would be moved to the vessel's start, which lies at the origin; s_mm says where it should be."""
+    """Without a check it would move to the vessel's start, near the origin. Its s_mm tells that this is wrong."""
     document = boundary.make(_anatomy([{"branch": "main", "s_end_mm": 30.0}]), _tree(), PATIENT, settings)
     probe = document["probes"][0]
     ffr.check_probes([probe], _tree())
@@ -355,7 +355,7 @@ def test_a_probe_in_metres_is_refused(settings):
 
 
 def test_boundary_values_say_where_the_flow_is_from(settings):
-    """The share of a named territory; flows as plausible as the planned one for a real case alone."""
+    """They name the territory's share of the flow. Other plausible flows are given only for a real case."""
     patient = PATIENT | {"territory": "lad"}
     document = boundary.make(_anatomy(), _tree(), patient, settings, with_range=True)
     assert document["flow_source"] == {"territory": "lad", "share": pytest.approx(7 / 17), "by": "3.69 mL/min/g"}

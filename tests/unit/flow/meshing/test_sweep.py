@@ -1,4 +1,4 @@
-"""Swept meshes: volume, conformity, tags and the smooth wall of tubes; junctions of a tree."""
+"""Swept meshes: volume, conformity, tags and smooth wall of tubes, and the junctions of a tree."""
 
 import numpy as np
 import pytest
@@ -13,13 +13,13 @@ from flow.meshing.sweep import disc, lattice, section, spans, stations, stitch
 
 
 def _volume(quadratic):
-    """Volume by the mean of the cubic det J, exact on the Bezier lattice's nodes."""
+    """Volume in mm3. det J is cubic in a cell, so the mean of its Bezier coefficients is the exact mean of det J."""
     jacobian = np.einsum("tnx,pnr->tpxr", quadratic.points[quadratic.tetrahedra], tet10.gradients(tet10._POINTS))
     return (np.linalg.det(jacobian) @ tet10._TO_BEZIER.T).mean(axis=1).sum() / 6.0
 
 
 def _faces(tetrahedra):
-    """Corner faces of all cells and how many cells share each."""
+    """(faces by their corners, number of cells that share each) of all cells."""
     sides = np.concatenate([tetrahedra[:, k] for k in ([0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3])])
     return np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
 
@@ -29,7 +29,7 @@ def _assert_conforming(quadratic):
     assert shared.max() == 2
     border = {tuple(face) for face in faces[shared == 1]}
     assert border == {tuple(face) for face in np.sort(quadratic.triangles[:, :3], axis=1)}
-    # a middle node belongs to one edge only, so that neighbours agree on the curved face
+    # Each middle node belongs to one edge, and each edge has one. Then neighbours agree on their curved face.
     edges = quadratic.tetrahedra[:, :4][:, tet10.EDGES].reshape(-1, 2)
     middles = quadratic.tetrahedra[:, 4:].ravel()
     pairs = np.unique(np.column_stack([np.sort(edges, axis=1), middles]), axis=0)
@@ -37,7 +37,7 @@ def _assert_conforming(quadratic):
 
 
 UNEXTENDED_SETTINGS = settings.make(**tubes.NO_EXTENSIONS)
-# radius, axis, length, tolerance of the volume: the wall is known at 0.4 mm only, a third of the narrowest diameter
+# (radius, axis, length, tolerance of the volume). The surface has edges of 0.4 mm, a third of the narrowest diameter.
 CASES = {
     "straight": (lambda s: 1.6 + 0 * np.asarray(s, float), None, 12, 2e-5),
     "lesion": (tubes.lesion(1.5, 0.6, 8, 8), None, 16, 3e-4),
@@ -59,7 +59,7 @@ def test_a_tube_is_one_span_of_exact_volume(name):
 
 
 def test_stations_come_closer_where_cells_would_be_turned_over():
-    """A pouch on one side of the wall, shorter than a plain vessel's gap between stations (as on lumens from CT)."""
+    """The wall has a pouch on one side, as in lumens from CT, shorter than a plain vessel's gap between stations."""
 
     def pouched(depth):
         def axis(s, e1, e2):
@@ -90,7 +90,7 @@ def test_wall_nodes_lie_on_the_smooth_wall():
 
 @pytest.fixture(scope="module")
 def forked(tmp_path_factory):
-    """A main tube with one side tube, joined by the fork surface of `tubes`."""
+    """(surface, mesh, report) of a main tube with one side tube."""
     surface, branches = tubes.fork()
     quadratic, report = mesh.build(surface, centreline.Tree(branches), 2.0, settings.make())
     return surface, quadratic, report
@@ -135,7 +135,7 @@ def test_an_end_that_cannot_be_stitched_moves_or_the_mesh_is_of_one_size(monkeyp
 
 
 def test_a_junction_that_cannot_be_filled_moves_its_ends(monkeypatch, forked):
-    """Those of its own spans, once all junctions were tried; `mesh.json` says which and why."""
+    """Only the ends of its own spans move, after all junctions were tried. `mesh.json` says which and why."""
     surface, branches = tubes.fork()
     calls = []
 
@@ -177,15 +177,15 @@ def test_rings_gather_at_the_edge_of_the_jet():
     wide, narrow = lattice.ring_radii(rho, 4, np.array([1.0, 0.4]))
     for found in (wide, narrow):
         assert found[0] == 0 and found[-1] == pytest.approx(1) and (np.diff(found) > 0).all()
-    assert narrow[25] == pytest.approx(0.4)  # the inner two and a half of four rings
-    assert narrow[30] == pytest.approx(0.4 + 0.5 * 0.6)  # halfway from there to the wall
+    assert narrow[25] == pytest.approx(0.4)  # two and a half of the four rings lie within the jet
+    assert narrow[30] == pytest.approx(0.4 + 0.5 * 0.6)  # the third ring ends halfway from there to the wall
     widths = np.diff(wide[::10])
-    assert (widths[1:] / widths[:-1] < 0.7).all()  # narrower towards the wall
+    assert (widths[1:] / widths[:-1] < 0.7).all()  # rings are narrower towards the wall
 
 
 @pytest.mark.parametrize("rings", [6, 8, 9])
 def test_many_rings_become_narrower_everywhere(rings):
-    """Two thirds of them within the jet, half as wide where there are twice as many, edges' middles in the middle."""
+    """Two thirds of the rings are in the jet. Twice as many are half as wide. Edges' middles lie in the middle."""
     edge = np.array([1.0, 0.4])
     found = lattice.ring_radii(np.linspace(0, 1, 2 * rings + 1), rings, edge)
     inside = int(np.floor(2 * rings / 3))
@@ -234,8 +234,8 @@ def test_spans_keep_clear_of_a_side_branch():
 
 
 def test_ends_move_where_the_cuts_of_two_side_branches_leave_no_wall():
-    """The parent is wider than its centreline says, as an oval lumen is, so that the planes of the side branches' ends
-    graze its wall. Each cut would run on along this wall to the other one.
+    """The parent is wider than its centreline says, as an oval lumen is. So the planes of the side branches' ends graze
+    its wall, and each cut would run along this wall up to the other cut.
     """
     surface, branches = tubes.branched(1.5, 24.0, [(8.0, 0.6, 8.0, 70.0, 0.0), (16.0, 0.6, 8.0, 70.0, 180.0)], 0.4)
     branches[0].radius_mm *= 0.85
@@ -250,7 +250,7 @@ def test_ends_move_where_the_cuts_of_two_side_branches_leave_no_wall():
 
 @pytest.mark.parametrize("left", ["nothing", "all"])
 def test_wall_without_a_border_cannot_be_stitched(left):
-    """No facet is left, or no facet was replaced: neither has a loop that the spans' ends could be joined to."""
+    """All facets were replaced, or none: in both cases there is no border loop to join the spans' ends to."""
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     closed = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
     ends = [stitch.SpanEnd((n, 0), points[n], np.eye(3)[n], 1.0, np.arange(3)) for n in range(2)]
@@ -276,7 +276,7 @@ def test_zipper_joins_two_rings():
 
 
 def test_zipper_makes_no_flat_or_folded_triangles_between_a_coarse_ring_and_a_fine_ragged_rim():
-    """The shortest edges make some 0.04 mm high that face 63 degrees away; gmsh fills what they close with slivers."""
+    """Joined by shortest edges, some triangles are 0.04 mm high and face 63 degrees away. There gmsh makes slivers."""
     angles, fine = (np.linspace(0, 2 * np.pi, count, endpoint=False) for count in (10, 36))
     ring = np.stack([2 * np.cos(angles), 2 * np.sin(angles), 0 * angles], axis=1)
     ragged = 0.3 + 0.12 * np.random.default_rng(6).uniform(-1, 1, len(fine))
