@@ -1,5 +1,5 @@
-# source_folder(PART FOLDER [DEPENDS folder...] [LIBRARIES target...]) makes the library <part>_<folder> of the sources in
-# one folder of a part. Its include path has links to the folder's own headers alone. So a source that includes a header
+# source_folder(PART FOLDER [DEPENDS folder...] [LIBRARIES target...]) makes the library <part>_<folder> of the sources
+# in one folder of a part. Its include path has links to the folder's own headers alone. So a source that includes a header
 # from a folder outside DEPENDS does not compile. tests/unit/test_layers.py reads the calls, too. The variable parsed_by
 # names a target whose precompiled headers are used again.
 function(source_folder part folder)

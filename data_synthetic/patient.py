@@ -120,10 +120,7 @@ def _check_overlap(others, lesion, key, refuse):
 
 
 def _lumen_shift(lesion):
-    """(eccentricity, direction in degrees) of a lesion, by which two lesions are compared.
-
-    A concentric lesion shifts nothing, so its direction is set to 0.
-    """
+    """(eccentricity, direction in degrees) of a lesion. A concentric lesion shifts nothing: its direction is 0."""
     return lesion["eccentricity"], lesion["direction_deg"] % 360 if lesion["eccentricity"] else 0
 
 

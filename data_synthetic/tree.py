@@ -15,8 +15,8 @@ from . import healthy_radius, disease
 
 HEART_CURVATURE = {"lad": 1 / 45, "lcx": 1 / 32, "rca": 1 / 26}  # 1/mm: curvature of an artery's bend over the heart
 # Widths of two Gaussian kernels that turn noise into random curvature, so that bends alternate over about 15 mm. The
-# wide kernel is subtracted from the narrow one. Both have the same integral, so the mean curvature is about 0 and bends
-# do not become loops.
+# wide kernel is subtracted from the narrow one. Both have the same integral, so the random curvature averages to about
+# 0 and bends do not become loops.
 NARROW_KERNEL_MM, WIDE_KERNEL_MM = 3.0, 8.0
 MOST_DRAWS = 60  # a tree is drawn at most this many times for one seed
 
@@ -67,10 +67,7 @@ class Branch:
         return np.max(shares, axis=0) if shares else np.zeros(np.broadcast(s_mm, theta_rad).shape)
 
     def uncalcified_type(self, s_mm):
-        """Plaque type (int) outside calcium at arc lengths s_mm: the nearest lesion's type.
-
-        In a branch without a lesion it is fibrous.
-        """
+        """Plaque type (int) outside calcium: type of the nearest lesion, or fibrous in a branch without a lesion."""
         if not self.lesions:
             return np.full(np.shape(s_mm), FIBROUS)
         distance = [np.abs(s_mm - le["centre_s_mm"]) / le["length_mm"] for le in self.lesions]

@@ -55,10 +55,7 @@ def _wall(rings_mm):
 
 
 def _check_advance(rings_mm, names_mm):
-    """Raises InputError if the wall would fold back between two neighbouring rings.
-
-    The wall does not fold if each point of a ring lies proximal of the same point of the ring before.
-    """
+    """Raises InputError if the wall would fold: where a ring's point is not proximal of the same point before."""
     step = np.diff(rings_mm, axis=0)
     axis = np.diff(rings_mm.mean(axis=1), axis=0)
     normals = np.array([_normal(ring) for ring in rings_mm[:-1]])

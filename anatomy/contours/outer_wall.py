@@ -41,10 +41,7 @@ def known_range_mm(frames, z_mm):
 
 
 def warnings(pull):
-    """Warnings [str] about the frames of a Pullback that have no outer wall.
-
-    Between traced frames the wall is interpolated. Beyond them it is unknown.
-    """
+    """Warnings [str] on frames of a Pullback without an outer wall: interpolated between traced ones, else unknown."""
     traced = np.flatnonzero(is_traced(pull.frames))
     missing = [k for k in range(len(pull.frames)) if k not in traced]
     inner = [k for k in missing if traced[0] < k < traced[-1]]

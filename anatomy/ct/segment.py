@@ -191,20 +191,14 @@ def _check_noise(profiles, blood):
 
 
 def _set_main_blood(hu_at, main, spacing_mm, rays):
-    """Sets the blood's trend of the main vessel's Line.
-
-    Returns the median of the trend, which stands for the blood of all vessels.
-    """
+    """Sets the blood's trend of the main vessel's Line. Returns its median, which stands for the blood everywhere."""
     profiles = edges.sample(hu_at, main.axis, spacing_mm, rays)
     main.blood = blood_level.first_trend(profiles)
     return float(np.median(main.blood(profiles.s_mm)))
 
 
 def _first_tubes(hu_at, lines, blood, spacing_mm, rays, stented):
-    """[Tube] of all lines, by half maximum.
-
-    On the way each Line's axis is centred in the vessel, and its blood's trend is set.
-    """
+    """[Tube] of all lines, by half maximum. Also centres each Line's axis and sets the trend of its blood."""
     tubes = []
     for line in lines:
         parent = tubes[line.parent] if tubes else None

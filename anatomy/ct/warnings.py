@@ -66,10 +66,7 @@ def find_warnings(lines, tubes, profiles, bright, ends, levels, settings, point_
 
 
 def _bright_stretches(tube, profile, places, method, stented):
-    """[warning_entry] for stents, and for calcium whose blooming reaches the edge.
-
-    They say whether the area is too large or too small.
-    """
+    """[warning_entry] for stents and for calcium near the edge. Each says if the area is too large or too small."""
     calcium, radius, stent = places
     share = (calcium & (radius < tube.radii_mm + BLOOMING_MM)).mean(axis=1)
     found = []
@@ -138,10 +135,7 @@ def true_runs(flags):
 
 
 def warning_entry(code, tube, s_mm, value, message):
-    """A warning as an entry of segmentation.json.
-
-    s_mm: (start, end) of the place along the branch. value: the figure that the warning is about.
-    """
+    """Entry of segmentation.json for a warning at s_mm (start, end). value: the figure that the warning is about."""
     start, end = float(s_mm[0]), float(s_mm[1])
     return {
         "code": code,
@@ -154,10 +148,7 @@ def warning_entry(code, tube, s_mm, value, message):
 
 
 def _close_pairs(lines, tubes):
-    """Warns of vessels within 0.3 mm of each other, since the image may have merged them.
-
-    Places near their branching do not count.
-    """
+    """Warns of vessels within 0.3 mm of each other, away from their branching: the image may have merged them."""
     found = []
     for i, first in enumerate(tubes):
         for j in range(i, len(tubes)):

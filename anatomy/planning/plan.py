@@ -71,10 +71,7 @@ def reference_document(summary, proposed, by_outer_wall):
 
 
 def mean_arterial_pressure_pa(patient):
-    """Mean arterial pressure in Pa: diastolic plus 0.4 of the pulse pressure.
-
-    patient: dict with sbp_mmhg and dbp_mmhg.
-    """
+    """Mean arterial pressure in Pa: diastolic plus 0.4 of the pulse pressure. patient: dict with sbp_mmhg, dbp_mmhg."""
     systolic, diastolic = patient["sbp_mmhg"], patient["dbp_mmhg"]
     return round((0.4 * (systolic - diastolic) + diastolic) * PASCAL_PER_MMHG, 3)
 
@@ -118,10 +115,7 @@ def _check_device_kind(action, kind, where):
 
 
 def _placed_device(request, summary, where):
-    """The entry of plan.json for a requested device, placed by its lesion or by its branch and centre_s_mm.
-
-    Raises InputError.
-    """
+    """Entry of plan.json for a requested device, placed by lesion or by branch and centre_s_mm. Raises InputError."""
     lesion = lesion_numbered(summary, request["lesion"], where) if "lesion" in request else None
     name = lesion["branch"] if lesion else request["branch"]
     branch = branch_named(summary, name, where)

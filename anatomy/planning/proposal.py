@@ -62,10 +62,10 @@ def propose(summary, sections, families, where, treat=CULPRIT, least_percent=Non
     """Proposal for the lesions of a measured lumen.
 
     summary, sections: results of lumen_results.read_summary() and read_sections(). families: {name: document} of
-    config/devices. where: the case file, for messages. With CULPRIT it treats the most severe lesion that stents of the
-    catalogue fit, or if there is none the most severe that a balloon fits. With ALL it treats each lesion of
-    targets.found(); if all are mild, the most severe one. Raises InputError if no lesion reaches least_percent by
-    diameter, or if no device fits any lesion.
+    config/devices. where: the case file, for messages. treat: with CULPRIT the most severe lesion that stents of the
+    catalogue fit is treated; if there is none, the most severe that a balloon fits. With ALL each lesion of
+    targets.targets_to_treat() is treated; if all are mild, the most severe one. Raises InputError if no lesion reaches
+    least_percent by diameter, or if no device fits any lesion.
     """
     if not summary["lesions"]:
         requested = "auto" if treat == CULPRIT else f"{{treat: {treat}}}"

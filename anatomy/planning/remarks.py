@@ -114,7 +114,7 @@ def _short_margin_reason(one, side):
 
 
 def _is_at_cut_end(profile, side, end):
-    """Whether a stent's end, at arc length `end` (mm), is as near to a cut end of the vessel as stents are planned.
+    """Whether a stent's end, at arc length `end` (mm), is as near to a cut end of the vessel as stents may be.
 
     A side branch has a cut end at its distal side only.
     """

@@ -71,17 +71,14 @@ class Stent:
 
     @property
     def proximal_part_mm(self):
-        """Length (mm) of the proximal part that can be post-dilated to the wanted diameter."""
+        """Length (mm) of the proximal part that can be post-dilated to target_diameter."""
         if self.tapers_too_much:
             return self.span.length / 2
         return self.span.length - landing.OVERLAP_MM * (self.target_diameter > self.distal_limit)
 
     @property
     def is_too_short(self):
-        """Whether the proximal part is shorter than any balloon.
-
-        Then the whole stent is dilated, to a smaller diameter.
-        """
+        """Whether the proximal part is too short for any balloon. The whole stent is then dilated, but less."""
         return self.proximal_part_mm < self.shortest_balloon
 
 

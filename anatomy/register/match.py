@@ -28,10 +28,7 @@ class Match:
 
     @property
     def trimmed_mm(self):
-        """The residual in mm by which a placement is judged.
-
-        It is the root mean square of residual_mm without the worst fifth.
-        """
+        """The residual in mm that judges a placement: root mean square of residual_mm without the worst fifth."""
         kept = np.sort(self.residual_mm)[: max(1, int(KEPT_SHARE * len(self.residual_mm)))]
         return float(np.sqrt(np.mean(kept**2)))
 
@@ -75,9 +72,10 @@ def match_branches(target, tree, placement):
 
 
 def _claimed_branch(target, route, placement):
-    """(branch before, s_mm on it) at the last sample of a route that lies within a usual radius of the axes before.
+    """The branch before that a route ends on: (its name, arc length on it in mm).
 
-    (None, -1) if no sample does. route: a Line.
+    The place is that of the route's last sample within a usual radius of the axes before. Without such a sample the
+    result is (None, -1). route: a Line.
     """
     _, distance, nearest = target.offsets(placement.apply(route.points))
     on = np.flatnonzero(distance < target.usual_radius_mm)
@@ -87,10 +85,7 @@ def _claimed_branch(target, route, placement):
 
 
 def _with_parents(target, name):
-    """Names of the branches before on the route from the inlet to the end of branch `name`, itself included.
-
-    The list is empty for a new name.
-    """
+    """Branches before on the route from the inlet to the end of branch `name`, itself included; [] for a new name."""
     return sorted(set(target.tree.routes[name].branch)) if name in target.tree.routes else []
 
 

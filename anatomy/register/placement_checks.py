@@ -104,10 +104,7 @@ def check_fit(where, target, tree, result, match, landmarks):
 
 
 def _check_fit_without_landmarks(where, target, tree, landmarks):
-    """Raises InputError with the landmark that is farthest off, if the axes alone give one well-fitting placement.
-
-    In that case a landmark is wrong, not the vessel.
-    """
+    """Raises InputError with the worst landmark if the axes alone fit well: a landmark is wrong then, not the axes."""
     if not len(landmarks[0]):
         return
     alone = search.find_placement(target.tree, tree, sliding.NO_LANDMARKS)
@@ -159,10 +156,7 @@ def _reversed_error(where, post, what, value):
 
 
 def check_place_along(where, target, tree, result, match, landmarks):
-    """Raises InputError if neither landmarks nor the vessel's course fix the place along the vessel.
-
-    A straight vessel, for example, fits at any place.
-    """
+    """Raises InputError if neither landmarks nor the vessel's course fix the place along it (as if it is straight)."""
     if len(landmarks[0]) or not sliding.fits_after_sliding(target, tree, result.placement, match):
         return
     residual = sliding.slid_residual(target, tree, result.placement)

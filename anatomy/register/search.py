@@ -48,7 +48,7 @@ def spans_a_plane(points):
     """Whether points (m, 3) fix a rigid motion: three or more, not in one line."""
     if len(points) < 3:
         return False
-    return np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1] > 1.0  # mm
+    return np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1] > 1.0  # mm; it is 0 for points in one line
 
 
 def landmark_distance_radii(landmarks, placement, target):

@@ -75,7 +75,7 @@ def slid_residual(target, tree, placement):
 
 
 def _overlap(target, route, moved):
-    """(which moved points (n,) lie beside a route before, their nearest samples (n,) on it, the route)."""
+    """(which moved points (n,) lie beside a route before, their nearest samples (n,) on the route, the route)."""
     away = np.linalg.norm(moved[:, None] - route.points[None], axis=2)
     return away.min(axis=1) < target.usual_radius_mm, away.argmin(axis=1), route
 

@@ -60,10 +60,7 @@ class Tree:
 
     @property
     def usual_radius_mm(self):
-        """The median inscribed radius (mm) of the main vessel.
-
-        Distances between axes are stated in multiples of it.
-        """
+        """Median inscribed radius (mm) of the main vessel, the unit in which distances between axes are stated."""
         return float(np.median(self.branches["main"].radius))
 
 

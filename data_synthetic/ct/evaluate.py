@@ -88,7 +88,7 @@ def compare_areas(true, found, sections, compared_spans=None):
 
     Returns a dictionary. Differences are found minus true, over the sections with an outline in both surfaces.
 
-    - `sections` and `lost_sections` count the sections with and without an outline in both surfaces.
+    - `sections` is the number of sections compared; `lost_sections` is the number of the others.
     - mean_difference_mm2 and sd_mm2 are of the areas; lower_limit_mm2 and upper_limit_mm2 are their limits at +-1.96
     sd.
     - mean_radius_difference_mm and sd_radius_mm are of the radii of circles of equal area.

@@ -49,9 +49,9 @@ COLUMNS = [
 class KnownLumen:
     """A lumen of known shape, with or without a stent.
 
-    branches: branches of the tree; surface: (points, triangles) of the lumen; vessel: its Vessel; sections: sections to
-    compare (evaluate). metal: (points in mm, volumes in mm3) of the struts, or None; compared_spans: {branch: (start,
-    end) in mm} to compare, or None.
+    branches: branches of the tree. surface: (points, triangles) of the lumen. vessel: its Vessel. sections: sections to
+    compare (evaluate). metal: (points in mm, volumes in mm3) of the struts, or None. compared_spans: {branch:
+    (start, end) in mm}, to compare only these stretches, or None.
     """
 
     def __init__(self, case, where, strut_mm):

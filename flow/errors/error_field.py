@@ -108,11 +108,7 @@ def solve_error_field(solved, document, tree):
 
 
 def stretch_loads(problem, document, tree):
-    """Sparse matrix (n, k) over W, whose column k is the load G_k of stretch k (see above).
-
-    problem: solvers.nonlinear.FlowProblem; document: content of boundary.json; tree: centreline tree without
-    extensions.
-    """
+    """Sparse matrix (n, k) over W: column k is the load G_k of stretch k. problem: solvers.nonlinear.FlowProblem."""
     space = problem.space
     richer = spaces.LumenSpace(space.mesh, space.facet_tags, degree=space.degree + 1)
     parts = ((space.V, space.v_map, richer.V, richer.v_map, 3), (space.Q, space.q_map, richer.Q, richer.q_map, 1))

@@ -9,8 +9,7 @@ import numpy as np
 
 
 class Correspondence:
-    """The map from the lumen of `tree` to the lumen of `other`, both geometry.centreline.Tree with the same
-    branches."""
+    """The map from the lumen of `tree` to that of `other`, both geometry.centreline.Tree with the same branches."""
 
     def __init__(self, tree, other):
         self.tree = tree

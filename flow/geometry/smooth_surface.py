@@ -1,8 +1,8 @@
 """A smooth surface through the vertices of the lumen triangulation, given by a point for the middle of each edge.
 
 Plane facets would make an error of 2-6 % in a Poiseuille pressure drop. The middle points on the wall are those of PN
-triangles (Vlachos et al. 2001, Curved PN triangles), with the weight that makes them exact on a circle. With the edge d
-= p1 - p0, unit normals n0, n1 at its ends and sin t_i = d.n_i / |d|, the middle point is
+triangles (Vlachos et al. 2001, Curved PN triangles), weighted so that they are exact on a circle. With the edge
+d = p1 - p0, unit normals n0, n1 at its ends and sin t_i = d.n_i / |d|, the middle point is
 
     m = (p0 + p1) / 2 + [ (d.n1) n1 / ((1 + cos t1) cos t1) - (d.n0) n0 / ((1 + cos t0) cos t0) ] / 4
 

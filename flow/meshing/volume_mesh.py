@@ -1,8 +1,8 @@
 """Linear tetrahedra inside the lumen surface by gmsh, in a process of its own.
 
-gmsh raises C++ exceptions that Python cannot catch. So gmsh runs in a program of its own, flow/meshing/gmsh_fill.py,
-which reads a surface and a size field from one .npz file, and writes nodes and tetrahedra to another. The user's gmsh
-options are not read.
+gmsh raises C++ exceptions that Python cannot catch. So gmsh runs in a program of its own, flow/meshing/gmsh_fill.py.
+This program reads a surface and a size field from one .npz file, and writes nodes and tetrahedra to another. The user's
+gmsh options are not read.
 """
 
 import pathlib

@@ -32,9 +32,9 @@ SHORTEST_RADII = 4.0  # least length, over the radius at its start, of a branch 
 class Predictor:
     """The answer of the two models for one lumen: FFR, and velocity and pressure at any point.
 
-    Results of the coupled models: flows (outlets,) in m3/s, pressures {branch: (s in m, pressure in Pa)}. Those of the
-    network by itself: network_flows, network_pressures. If the axisymmetric model finds no flow, or is not to be used
-    (coupled = False), `tube` is None, `reason` says why, and flows and pressures are the network's. Raises
+    Results of the coupled models: flows (outlets,) in m3/s, pressures {branch: (s in m, pressure in Pa)}. Results of
+    the network by itself: network_flows, network_pressures. With coupled = False the axisymmetric model is not used.
+    Then, or if it finds no flow, `tube` is None and `reason` says why; flows and pressures are the network's. Raises
     ComputationError where the network has no solution.
     """
 

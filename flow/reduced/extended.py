@@ -74,8 +74,7 @@ def _check_coarse(report, path, coarse):
 
 
 def _has_sha256(part, mesh):
-    """Whether a mesh file has the SHA-256 in the report's entry `part`. Also True for an older entry, which has
-    none."""
+    """Whether a mesh file has the SHA-256 in the report's entry `part`. Also True for an older entry without one."""
     return "file_sha256" not in part or part["file_sha256"] == sha256(mesh)
 
 

@@ -27,7 +27,7 @@ def ct_figure(files, metrics, folder):
     """
     before = metrics["states"]["pre"]["area"]["profile_mm2"]
     stations = dict(zip(SLICE_NAMES, (0, int(np.argmin(before)), len(before) - 1)))
-    with plt.rc_context({"figure.constrained_layout.use": False}):  # it would leave wide gaps between images
+    with plt.rc_context({"figure.constrained_layout.use": False}):  # constrained layout leaves wide gaps here
         figure, grid = plt.subplots(len(STATES_BY_IMAGE), len(SLICE_NAMES), figsize=(7.5, 5.6), squeeze=False)
     figure.subplots_adjust(left=0.04, right=0.99, bottom=0.09, top=0.95, wspace=0.03, hspace=0.03)
     for row, (image, states) in zip(grid, STATES_BY_IMAGE.items()):

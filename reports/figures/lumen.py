@@ -71,7 +71,7 @@ def panel_grid(count, aspect):
 
 
 def nearest_ffr(files, state, points):
-    """FFR (n,) at points (n, 3) in mm of a state's lumen: that of the nearest point of pullback.csv, in any branch."""
+    """FFR (n,) at points (n, 3) in mm of a state's lumen, from the nearest point of pullback.csv in any branch."""
     table = read_table(files.flow(state) / "pullback.csv", PULLBACK_NUMBERS, ("branch",), "flow solve")
     _, nearest = cKDTree(table[["x_mm", "y_mm", "z_mm"]].to_numpy()).query(points)
     return table["ffr"].to_numpy()[nearest]

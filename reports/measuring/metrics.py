@@ -24,8 +24,8 @@ LEAST_COVERAGE = 0.5  # least share of the stations to compare; with fewer, a me
 # method: the prediction minus the truth.
 # imaging_before: the prediction from the lumen found in CT minus that from the true lumen.
 # imaging_after: the truth as seen in CT minus the truth.
-# clinical: all three errors together, because a clinical study has only images. The lumen after PCI is that of a CT or
-# of the real procedure.
+# clinical: all three errors together, because a clinical study has only images. The lumen after PCI comes from a
+# CT or from the real procedure.
 # measured: the computed FFR minus that of a pressure wire, at the wire's sensor.
 COMPARISONS = (
     ("vci", "reference", "method"),
@@ -50,7 +50,7 @@ QUANTITIES = ("area_mm2", "curvature_per_mm", "ffr")
 def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, states=None, config=None):
     """The document of metrics.json (reports/tables.md) for the CaseFiles `files`.
 
-    states: names of those to measure; by default every state with results. config: file config/cases/<case>.yaml, for
+    states: names of the states to measure; by default all with results. config: file config/cases/<case>.yaml, for
     the patient's data; None leaves these out.
     Raises InputError for missing or malformed files, ComputationError for a state that cannot be compared.
     """

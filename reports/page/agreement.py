@@ -41,9 +41,9 @@ def agreement_groups(agreement, nearer, half_maximum):
 def segmentation_rows(rows, others):
     """Errors by two segmentations of the CT: [{prediction, name, unit, method, errors {error: (own, other)}}].
 
-    rows, others: rows of one group of patients, by the study's own segmentation and at half maximum. The list is empty
-    if there are no others. own, other: the row of an error by each segmentation, or None. method: the row of the error
-    `method`, which does not depend on the CT.
+    rows, others: rows of agreement.csv and half_maximum.csv for one group of patients; without others the result is
+    empty. own, other: the row of an error by the study's own segmentation and at half maximum, or None. method: the
+    row of the error `method`, which does not depend on the CT.
     """
     own, other = ({(row["quantity"], row["comparison"]): row for row in table} for table in (rows, others))
     found = []

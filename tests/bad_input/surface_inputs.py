@@ -1,4 +1,4 @@
-"""Surfaces: damaged, of another kind, out of place; and unusual ones that are lumens all the same."""
+"""Surfaces that are damaged, of another kind or out of place, and unusual ones that are accepted as lumens."""
 
 import gzip
 import os
@@ -11,12 +11,12 @@ from input_cases import input_case, lumen
 
 
 def points_and_triangles(radius=1.5, length=14.0, edge=0.7, **options):
-    """A straight capped tube along x."""
+    """(points, triangles) of a straight capped tube along x. Lengths are in mm."""
     return surfaces.tube(surfaces.straight, lambda s: radius + 0 * s, length, edge, **options)
 
 
 def tube(path, scale=1.0, **options):
-    """That tube as a file."""
+    """Writes the tube of points_and_triangles to a file."""
     points, triangles = points_and_triangles(**options)
     return surfaces.write(path, points * scale, triangles)
 
@@ -223,7 +223,7 @@ def _(folder):
 
 
 def cap(path, x, radius=1.5):
-    """A disc across the x axis."""
+    """Writes a disc across the x axis as a cap file."""
     angle = np.linspace(0, 2 * np.pi, 24, endpoint=False)
     rim = np.column_stack([0 * angle + x, radius * np.cos(angle), radius * np.sin(angle)])
     k = np.arange(24)
@@ -287,7 +287,7 @@ def _(folder):
     return lumen("process", tube(folder / "tube.stl"), "--like", folder / "like.json")
 
 
-# unusual, but lumens
+# Inputs that are unusual, but lumens.
 
 
 @input_case("a surface in centimetres, so declared")

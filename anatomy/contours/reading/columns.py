@@ -16,10 +16,7 @@ COLUMN_NAME = re.compile(
 
 
 def split_fields(line):
-    """The fields [str] of a line, divided by tabs, commas, semicolons or blanks.
-
-    Within quotes these signs do not divide.
-    """
+    """The fields [str] of a line, divided by tabs, commas, semicolons or blanks. Signs within quotes do not divide."""
     if '"' not in line:
         return [field for field in re.split(r"[,;\t ]+", line) if field]
     divider = next((sign for sign in "\t;," if sign in line), " ")
@@ -27,10 +24,7 @@ def split_fields(line):
 
 
 def column_names(line):
-    """The names [str] of the columns, from the line of a table that holds them.
-
-    Blanks divide names only if no other sign does: `x [mm], y [mm]` has two names.
-    """
+    """The column names [str] in a line. Blanks divide names only if no other sign does: `x [mm], y [mm]` has two."""
     if '"' in line or not any(sign in line for sign in "\t;,"):
         return split_fields(line)
     return [name.strip() for name in re.split("[,;\t]", line)]

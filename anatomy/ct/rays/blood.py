@@ -18,7 +18,7 @@ TREND_RANGE = 0.5, 1.5  # limits of the trend over its median; what lies beyond 
 
 
 class Trend:
-    """CT number of the blood along a branch: linear between knots at s_mm (k,), constant beyond them. hu: (k,)."""
+    """CT number of the blood along a branch: hu (k,) at knots s_mm (k,), linear between and constant beyond them."""
 
     def __init__(self, s_mm, hu):
         self.s_mm, self.hu = np.atleast_1d(s_mm).astype(float), np.atleast_1d(hu).astype(float)

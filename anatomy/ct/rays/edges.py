@@ -80,17 +80,13 @@ def sample(hu_at, axis, spacing_mm, rays):
     ray = np.cos(theta)[None, :, None] * normal[:, None] + np.sin(theta)[None, :, None] * binormal[:, None]
     points = axis.point(s)[:, None, None] + r[None, None, :, None] * ray[:, :, None]
     hu = hu_at(points)
-    # The CT number on the axis is averaged over a small disc and filtered along the axis. Otherwise noise would make
-    # dark spots, which look like occlusions.
+    # A small disc is averaged and filtered along the axis. Otherwise noise would make dark spots like occlusions.
     centre = hu[:, :, : int(0.2 / STEP_MM) + 1].mean(axis=(1, 2))
     return Profiles(s, theta, r, hu, smooth_along(centre, s, 1.25))
 
 
 def smooth_along(values, s_mm, window_mm=FILTER_MM, derivative=0):
-    """values (n, ...) at s_mm (n,) after a cubic Savitzky-Golay filter along the axis.
-
-    derivative: 1 or 2 to get that derivative by s instead.
-    """
+    """values (n, ...) at s_mm (n,) after a cubic Savitzky-Golay filter along the axis, or their derivative by s."""
     step = s_mm[1] - s_mm[0]
     window = min(2 * int(round(0.5 * window_mm / step)) + 1, (len(s_mm) - 1) // 2 * 2 + 1)
     if window < 5:
@@ -149,8 +145,7 @@ def _core(hu, profiles, blood):
 
 
 def _deviation(values):
-    # For a normal distribution the standard deviation is 1.4826 times the median deviation, which outliers hardly
-    # change.
+    # 1.4826 median deviations are the standard deviation of a normal distribution; outliers hardly change them.
     return 1.4826 * float(np.median(np.abs(values)))
 
 
@@ -164,8 +159,7 @@ def find_calcium_and_stents(profiles, blood, stented=False):
     round may look the same.
     """
     smooth = uniform_filter(profiles.hu, (3, 3, 5), mode=("nearest", "wrap", "nearest"))
-    # Steps of the contrast along the vessel count as unevenness, which raises the level. So blood behind a step does
-    # not pass for calcium.
+    # Steps of the contrast along the vessel count as unevenness. So blood behind a step does not pass for calcium.
     uneven = unevenness_hu(smooth, profiles, blood)
     level = np.maximum(BRIGHT_RATIO * blood, blood + BRIGHT_DEVIATIONS * uneven * profiles.gain)
     above = (smooth > level[:, None, None]) & (profiles.r_mm < BRIGHT_REACH_MM)
@@ -205,10 +199,7 @@ def replace_outliers(radius):
 
 
 def smooth_radii(radius, s_mm):
-    """Radii (n, m) after smoothing in both directions.
-
-    HARMONICS harmonics are kept round each section. Along the axis the cubic filter is applied.
-    """
+    """Radii (n, m), smoothed by HARMONICS harmonics round the section and by the cubic filter along the axis."""
     waves = np.fft.rfft(radius, axis=1)
     waves[:, HARMONICS + 1 :] = 0
     return smooth_along(np.fft.irfft(waves, radius.shape[1], axis=1), s_mm)

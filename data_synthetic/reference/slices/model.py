@@ -15,8 +15,8 @@ from .mesh import LUMEN, OUTSIDE, Annulus
 class SliceModel(LoadSteppedModel):
     """Model of a slice that is compiled once, then placed on one slice after another.
 
-    Its loads are a dict of LOAD_NAMES. They are the parameters of the pressure laws of balloon and stent, a share from
-    0 to 1 by which each law is multiplied, and a uniform pressure (MPa) for tests.
+    Its loads are a dict of LOAD_NAMES. They are the parameters of the pressure laws of balloon and stent, and a uniform
+    pressure (MPa) for tests. Each law is multiplied by its share, from 0 to 1.
     """
 
     def __init__(self, around, through, wall_c10_mpa, wall_c20_mpa, bulk_modulus_mpa, support_mpa_per_mm):

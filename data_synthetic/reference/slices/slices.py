@@ -140,7 +140,7 @@ def solve_lumen(model, patient, steps, settings):
 
 
 def midpoints(s_mm, coarse):
-    """Arc lengths (k,) of new slices, halfway from each slice that is `coarse` (n,) to its neighbours.
+    """Arc lengths (k,) of new slices, halfway from each slice with `coarse` (n,) true to its neighbours.
 
     A new slice is left out if it would lie within LEAST_SPACING_MM of a neighbour.
     """

@@ -48,19 +48,13 @@ def plaque_return(f, plastic, hardening_strain, shear, yield_stress, hardening):
 
 
 def wall_stress(f, c10, c20):
-    """Deviatoric Kirchhoff stress of the Yeoh wall with the energy W = c10 (I1 - 3) + c20 (I1 - 3)^2.
-
-    I1 is the first invariant of the isochoric part of the deformation.
-    """
+    """Deviatoric Kirchhoff stress of the Yeoh wall W = c10 (I1 - 3) + c20 (I1 - 3)^2, with the isochoric I1."""
     b_bar = ufl.det(f) ** (-2.0 / 3.0) * f * f.T
     return 2 * (c10 + 2 * c20 * (ufl.tr(b_bar) - 3)) * ufl.dev(b_bar)
 
 
 def volumetric_stress(f, bulk):
-    """Kirchhoff pressure (positive in tension) of the volumetric energy U = bulk/4 (J^2 - 1 - 2 ln J).
-
-    J is the determinant of the deformation gradient f.
-    """
+    """Kirchhoff pressure (positive in tension) of the energy U = bulk/4 (J^2 - 1 - 2 ln J), where J = det f."""
     return 0.5 * bulk * (ufl.det(f) ** 2 - 1)
 
 

@@ -35,8 +35,8 @@ class LoadSteppedModel:
     - _update: fem.Expression of the plastic state at the present displacement
     - _cells: cells on which `_update` is evaluated
 
-    Loads are a dict of LOAD_NAMES. They are the parameters of the pressure laws of balloon and stent, a share from 0 to
-    1 by which each law is multiplied, and a uniform pressure (MPa) for tests.
+    Loads are a dict of LOAD_NAMES. They are the parameters of the pressure laws of balloon and stent, and a uniform
+    pressure (MPa) for tests. Each law is multiplied by its share, from 0 to 1.
     """
 
     plastic_size = 4
@@ -63,8 +63,7 @@ class LoadSteppedModel:
     def _create_loads(self, mesh, more=()):
         """Makes the constants of LOAD_NAMES and of the names `more`, without any load.
 
-        Stiffnesses and caps are 1 rather than 0. The laws are evaluated even at share 0, and a cap of 0 would divide by
-        0.
+        Stiffnesses and caps are 1 rather than 0. The laws are evaluated even at share 0, and would then be 0 / 0.
         """
         self._constants = {name: fem.Constant(mesh, 0.0) for name in (*LOAD_NAMES, *more)}
         self.set_loads(dict.fromkeys(("balloon_stiffness", "balloon_cap", "stent_stiffness", "stent_cap"), 1.0))
@@ -84,10 +83,7 @@ class LoadSteppedModel:
         return {name: float(constant.value) for name, constant in self._constants.items()}
 
     def _newton(self):
-        """Newton's method from the present displacement; returns whether it converged.
-
-        The last iterate is left in u in either case.
-        """
+        """Newton's method from the present displacement. Returns whether it converged; u keeps the last iterate."""
         scale, first = 1.0, np.inf
         for iteration in range(MAX_ITERATIONS):
             with self._vector.localForm() as local:

@@ -40,10 +40,7 @@ class SpanField:
         self._grid = RegularGridInterpolator((fine_s, fine_theta), around(fine_theta))
 
     def displacement_at(self, s_mm, theta_rad):
-        """Displacement (k, 2) in mm at (s, theta), each (k,).
-
-        Beyond an end of the span it is the displacement at the end.
-        """
+        """Displacement (k, 2) in mm at (s, theta), each (k,); beyond an end of the span, that at the end."""
         s = np.clip(s_mm, self.first, self.last)
         return self._grid(np.stack([s, np.mod(theta_rad, 2 * np.pi)], axis=1))
 
@@ -68,7 +65,7 @@ class LumenDeformation:
     """Displacement of the lumen: by slices with the stent inside the stented spans, and without it elsewhere.
 
     unstented: SpanField of the slices without the stent. stented: list of SpanField, one for each stented span. At the
-    end of a span the two differ. Outside the span this jump decays with the distance x from the end, like the
+    end of a span the two fields differ. Outside the span this jump decays with the distance x from the end, like the
     deflection of a clamped cylindrical shell (Timoshenko): exp(-x/l) (cos x/l + sin x/l), where l is edge_decay_mm.
     """
 

@@ -9,9 +9,9 @@ from common.errors import InputError
 MPA_PER_BAR = 0.1
 # Ratio of two hoop tensions: the one that opens the crimped stent over the one at the nominal diameter. Struts open by
 # plastic bending at their ends. The tension is 2 M / (l cos a), with the plastic moment M, a strut's length l and its
-# angle a to the axis. For 16 struts of 1 mm cos a falls from 0.98 to 0.81. M grows with the flow stress of L605: from
-# its yield stress of 476 MPa to about 890 MPa at a strain of 0.17, on the line to its true strength of 1449 MPa at 0.4.
-# These figures are usual in finite-element studies of stents; no paper is at hand.
+# angle a to the axis. For 16 struts of 1 mm cos a falls from 0.98 to 0.81. M grows with the flow stress of L605, from
+# its yield stress of 476 MPa to about 890 MPa at a strain of 0.17. The latter is on the line to its true strength of
+# 1449 MPa at 0.4. These figures are usual in finite-element studies of stents; no paper is at hand.
 CRIMPED_TENSION_SHARE = 0.44
 # A balloon that cannot open the stent round it still presses on the wall with this share of its inflation pressure.
 LEAST_BALLOON_SHARE = 0.2
@@ -39,7 +39,7 @@ class Balloon:
         return self.radius_mm * np.clip(1 - np.maximum(beyond, 0) / self.shoulder_mm, 0, 1)
 
     def reach(self):
-        """Arc lengths (mm) between which the device can touch the wall."""
+        """Arc lengths (mm) between which the balloon can touch the wall."""
         half = 0.5 * self.length_mm + self.shoulder_mm
         return self.centre_s_mm - half, self.centre_s_mm + half
 

@@ -37,7 +37,7 @@ def run_procedure(model, steps, s_mm, settings, stented, branch_name):
     history = []
     held_radius = 0.0
     model.set_loads({key: 0.0 for key in ("balloon_share", "stent_share", "pressure")})
-    # The laws are evaluated even at share 0, and a cap of 0 would divide by 0.
+    # The laws are evaluated even at share 0. With a stiffness and a cap of 0 they would be 0 / 0.
     model.set_loads(dict.fromkeys(("balloon_radius", "stent_radius"), 0.0))
     model.set_loads(dict.fromkeys(("balloon_stiffness", "balloon_cap", "stent_stiffness", "stent_cap"), 1.0))
     stent = None

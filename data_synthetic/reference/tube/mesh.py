@@ -73,10 +73,7 @@ class Tube:
         return number
 
     def _tags(self, stations, columns):
-        """dolfinx tags LUMEN, OUTSIDE and ENDS of the boundary facets.
-
-        A facet belongs to a boundary if all its nodes have numbers of that boundary.
-        """
+        """dolfinx tags LUMEN, OUTSIDE and ENDS of the boundary's facets, found by the numbers of their nodes."""
         number = np.arange(len(self.points_mm)).reshape(stations, columns, self.rows)
         first, last = number[0].ravel(), number[-1].ravel()
         self.mesh.topology.create_connectivity(2, 3)

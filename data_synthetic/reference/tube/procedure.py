@@ -27,10 +27,7 @@ def enclosed_area(a_mm, b_mm):
 
 
 def station_positions(breaks_mm, element_mm):
-    """Arc lengths of corners and middles of elements of about element_mm.
-
-    There is a corner at each of breaks_mm.
-    """
+    """Arc lengths of corners and middles of elements of about element_mm, with a corner at each of breaks_mm."""
     found = [np.array([breaks_mm[0]])]
     for a, b in zip(breaks_mm[:-1], breaks_mm[1:]):
         count = 2 * max(int(np.ceil((b - a) / element_mm)), 1)
@@ -141,8 +138,8 @@ class TreatedTube:
 def _extend_beyond_stent(held, inside):
     """The radii `held` (stations,), with those outside the stent replaced by the nearest one inside it.
 
-    The stent holds nothing outside its ends. But the model interpolates between its last station and the next one,
-    where a radius of 0 would narrow the stent's end.
+    The stent holds nothing outside its ends. The values there only serve the interpolation between its last station and
+    the next one.
     """
     at = np.flatnonzero(inside)
     return held[np.clip(np.arange(len(held)), at[0], at[-1])]

@@ -294,7 +294,7 @@ def test_calcium_outside_its_outer_wall_is_refused(with_calcium, outside_mm, tak
 
 @pytest.mark.parametrize("reach, taken", [(1.45, False), (1.55, True)])
 def test_calcium_within_the_lumen_is_refused(table, tmp_path, reach, taken):
-    """No ray into the wall would meet it, so it would be lost. A nodule that reaches beyond the lumen's 1.5 mm is fine."""
+    """No ray into the wall would meet it, so it would be lost. A nodule that reaches out of the lumen is fine."""
     files = {"lumen": table(tube([1.5] * 5)), "outer_wall": table(tube([1.9] * 5), "wall.csv")}
     files["calcium"] = table({23: (2.0, sector(1.1, reach, 20, 60))}, "calcium.csv")
     if taken:

@@ -62,8 +62,8 @@ def wall(s, count=400):
 def recorded(turn, sign=1.0):
     """The vessel as a catheter records it: {frame: (z, outline)}, rows of the landmark table, their places in space.
 
-    Frames are 0.6 mm apart, from distal to proximal. Images are turned by `turn` (radians). Their middle wanders with the
-    catheter. x and y of an image and z, which points to proximal, are right-handed. sign -1 gives the mirror image.
+    Frames are 0.6 mm apart, from distal to proximal. Images are turned by `turn` (radians), and their middle wanders
+    with the catheter. x and y of an image and z, to proximal, are right-handed. sign -1 gives the mirror image.
     """
     s = np.arange(5.0, 35.01, 0.6)[::-1]
     place, _ = axis(s)
@@ -236,7 +236,7 @@ def test_landmarks_that_disagree_by_more_than_they_are_marked_to_are_told(pull_b
 
 
 def test_the_command_tells_that_landmarks_disagree(table, tmp_path):
-    """A mirror image of round frames on a straight line. Two landmarks 150 degrees apart then disagree by 30 degrees."""
+    """A mirror image of round frames on a straight line. Two landmarks 150 degrees apart disagree by 30 degrees."""
     frames, angles = tube([1.5] * 20), np.radians([0.0, 150.0])
     write_lines(tmp_path / "line.vtp", np.column_stack([np.zeros((41, 2)), np.linspace(30, -10, 41)]))
     marks = [(z, 4 + 1.5 * np.cos(a), 5 - 1.5 * np.sin(a)) for z, a in zip((5, 15), angles)]

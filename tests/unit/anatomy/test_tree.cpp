@@ -46,7 +46,7 @@ TEST(Tree, StraightTube) {
     if (section.flag == "end")
       continue;
     EXPECT_EQ(section.flag, "ok");
-    // 24 to 48 corners on chords of the circle: 0.989 to 0.993 of its area
+    // a polygon of 24 to 48 corners in the circle has 0.989 to 0.993 of its area
     EXPECT_NEAR(section.area / (M_PI * 1.5 * 1.5), 0.991, 0.003);
     EXPECT_NEAR(section.min_diameter, 2.96, 0.04);
     EXPECT_NEAR(section.max_diameter, 2.99, 0.02);
@@ -102,8 +102,8 @@ TEST(Lesions, FoundWithTheirReference) {
   EXPECT_GT(lesions[0].proximal_reference, lesions[0].distal_reference);
 }
 
-// Lesions of a straight vessel of 3 mm narrowed by 60 % from 10 to 15 mm and 40 % from 20 to 25 mm, by `between` per
-// cent from one to the other; `mouth`: whether the sections there are widened by a side branch's mouth.
+// Lesions of a straight vessel of 3 mm. It is narrowed by 60 % from 10 to 15 mm, by 40 % from 20 to 25 mm, and by
+// `between` per cent from 15 to 20 mm. mouth: whether a side branch's mouth widens the sections from 15 to 20 mm.
 std::vector<Lesion> two_narrowings(double between, bool mouth) {
   std::vector<Branch> branches(1);
   std::vector<Section> sections;
@@ -130,7 +130,7 @@ TEST(Lesions, PartWhereHalfOfTheLesserNarrowingIsRecovered) {
   EXPECT_EQ(two_narrowings(19, true).size(), 1u);
 }
 
-// A straight vessel of the given diameters, sections every 0.25 mm.
+// Sections every 0.25 mm of a straight vessel with the given diameters. Sets the arc lengths of `branch`.
 std::vector<Section> sections_every_quarter(Branch& branch, const std::function<double(double)>& diameter,
                                             double length) {
   std::vector<Section> sections;
@@ -146,7 +146,7 @@ std::vector<Section> sections_every_quarter(Branch& branch, const std::function<
 }
 
 TEST(Lesions, MeasuredWhereTheStenosisIsGreatest) {
-  // a left main stem narrowed by 58 %, and the thinner vessel behind it by 46 %: there the lumen is less
+  // A left main stem is narrowed by 58 %. The thinner vessel behind it is narrowed by 46 %, but its lumen is smaller.
   const ReferenceProfile healthy{{4.4, 0}, {}, ReferenceStep{12, 12, {3.4, 0}}};
   const auto narrowed = [&](double s) {
     return healthy.diameter(s) * (s < 4 || s > 20 ? 1 : s < 8 ? 0.42 : s < 14 ? 0.5 : 0.54);
@@ -188,7 +188,7 @@ TEST(Lesions, NoneInAHealthyTube) {
   EXPECT_TRUE(find_lesions(out.branches, out.sections, reference_profiles(out.branches, out.sections, notes)).empty());
 }
 
-// Sections of a main branch with the given diameters, and a side branch of constant diameter that leaves it at s = 15.
+// Sections of a main branch with diameters main(s), and of a side branch of constant diameter that leaves at s = 15 mm.
 std::vector<Section> sections_of(std::vector<Branch>& branches, const std::function<double(double)>& main,
                                  double side) {
   branches.assign(2, Branch());
@@ -210,7 +210,7 @@ std::vector<Section> sections_of(std::vector<Branch>& branches, const std::funct
   return sections;
 }
 
-// Adds a second side branch of constant diameter to those of `sections_of`.
+// Adds a second side branch of constant diameter, which leaves at s mm, to the branches of `sections_of`.
 void add_side(std::vector<Branch>& branches, std::vector<Section>& sections, double s, double diameter) {
   branches.push_back(branches[1]);
   branches[2].id = 2;
@@ -255,8 +255,8 @@ TEST(Reference, StepsDownByTheFlowSplitWhereTheLumenBeforeTheSideBranchIsNarrowe
 }
 
 TEST(Reference, StepsIntoTheLesserBranchOfAForkBehindSmallBranches) {
-  // As a right coronary artery: it tapers past a small branch without a step, and forks from 3.5 into 2.6 and 2.5 mm,
-  // 3 mm before the axes part. The step is deeper than into two equal branches.
+  // Like a right coronary artery, the vessel tapers past a small branch without a step. It forks from 3.5 into 2.6 and
+  // 2.5 mm, 3 mm before the axes part. The step is deeper than a fork into two equal branches would give.
   const auto healthy = [](double s) { return s < 24 ? 3.7 - 0.008 * s : 2.5 - 0.015 * (s - 24); };
   std::vector<Branch> branches;
   std::vector<Repair> notes;
@@ -269,7 +269,7 @@ TEST(Reference, StepsIntoTheLesserBranchOfAForkBehindSmallBranches) {
 }
 
 TEST(Reference, StepsDownByMurraysLawWhereTheVesselDoes) {
-  // two forks by the third power: by the power of 2.55 the healthy vessel behind the first one is 8 % too wide
+  // Two forks follow the power 3. With the power 2.55 the healthy vessel behind the first fork would be 8 % too wide.
   const auto healthy = [](double s) {
     const double trunk = 4.2 - 0.008 * s;
     return std::cbrt(std::pow(trunk, 3) - (s > 15 ? std::pow(3.2, 3) : 0) - (s > 28 ? std::pow(2.2, 3) : 0));
@@ -287,7 +287,7 @@ TEST(Reference, StepsDownByMurraysLawWhereTheVesselDoes) {
 }
 
 TEST(Reference, DoesNotStepDownPastABranchThatBringsBlood) {
-  // a graft of 2.6 mm joins at 32 mm; by the flow split the healthy vessel before it would be narrowed by a fifth
+  // A graft of 2.6 mm joins at 32 mm. If it split the flow, the healthy vessel before it would seem a fifth too narrow.
   const auto healthy = [](double s) {
     const double d = 4.4 - 0.012 * s;
     return s > 15 ? std::pow(std::pow(d, 2.55) - std::pow(3.0, 2.55), 1 / 2.55) : d;
@@ -305,7 +305,7 @@ TEST(Reference, DoesNotStepDownPastABranchThatBringsBlood) {
   EXPECT_NE(notes[0].detail.find("32.0 mm along it: a branch of 2.60 mm"), std::string::npos) << notes[0].detail;
 }
 
-// Profile of a single vessel with the given diameters over 40 mm, and its warnings.
+// Reference profile of a single vessel with the given diameters over 40 mm; its warnings go to `notes`.
 ReferenceProfile profile_of(const std::function<double(double)>& diameter, std::vector<Repair>& notes) {
   std::vector<Branch> branches;
   std::vector<Section> sections = sections_of(branches, diameter, 1);
@@ -319,7 +319,7 @@ ReferenceProfile profile_of(const std::function<double(double)>& diameter) {
   return profile_of(diameter, notes);
 }
 
-// 1 outside a to b, `left` inside, with flanks of 2 mm.
+// Factor of the diameter: 1 outside a to b, `left` inside, with flanks of 2 mm.
 double narrowing(double s, double a, double b, double left) {
   return 1 - (1 - left) * std::clamp(std::min(s - a, b - s) / 2, 0.0, 1.0);
 }
@@ -345,7 +345,7 @@ TEST(Reference, OfATaperingVesselWithSeveralNarrowings) {
 }
 
 TEST(Reference, IsCarriedOnBehindTheHealthyPart) {
-  // half as wide from 15 mm up to the end: no branch that is left out explains this
+  // From 15 mm to the end the vessel is half as wide. No branch that was left out could explain so deep a step.
   const ReferenceProfile profile = profile_of([](double s) { return 3.4 * narrowing(s, 15, 60, 0.5); });
   for (double s : {1.0, 10.0, 20.0, 39.0})
     EXPECT_NEAR(profile.diameter(s), 3.4, 0.02) << s;
@@ -371,7 +371,7 @@ TEST(Reference, IsInterpolatedOverAStepThatANarrowingHides) {
 }
 
 TEST(Reference, LeavesAnEctasiaOut) {
-  // up to 4.7 mm in a vessel of 1.4 mm before and 1 mm behind it: a line through it would rise from 1.5 to 4.6 mm
+  // The vessel has 1.4 mm before the ectasia and 1 mm behind it. A line through the ectasia would rise up to 4.6 mm.
   const auto vessel = [](double s) { return s < 23 ? 1.4 : 1.0; };
   const ReferenceProfile profile =
       profile_of([&](double s) { return std::max(4.7 - 0.35 * std::abs(s - 23), vessel(s)); });
@@ -381,14 +381,14 @@ TEST(Reference, LeavesAnEctasiaOut) {
 }
 
 TEST(Reference, KeepsTheHealthyVesselBetweenANarrowOstiumAndItsEnd) {
-  // narrowed by 60 % up to 10 mm, healthy behind that: not an ectasia, since nothing narrower follows
+  // Narrowed by 60 % up to 10 mm and healthy behind. The healthy part is no ectasia, since nothing narrower follows.
   const auto healthy = [](double s) { return 3 - 0.01 * s; };
   const ReferenceProfile profile = profile_of([&](double s) { return healthy(s) * (s < 10 ? 0.4 : 1); });
   EXPECT_NEAR(profile.diameter(5), healthy(5), 0.05);
   EXPECT_NEAR(profile.diameter(30), healthy(30), 0.02);
 }
 
-// Lines are drawn through some of the sections of a long vessel only. Here all of these are far below the others.
+// In a long vessel lines are drawn through some of the sections only. Here all of these are narrower than the others.
 TEST(Reference, IsFoundWhereNoneOfTheWideSectionsIsDrawn) {
   std::vector<Branch> branches(1);
   std::vector<Section> sections(200);

@@ -1,4 +1,4 @@
-"""The report: what its pages hold, that it needs no other file, and that an earlier report leaves nothing behind."""
+"""The report: what its pages hold, that they lead nowhere else, and that an earlier report leaves nothing behind."""
 
 import base64
 import json

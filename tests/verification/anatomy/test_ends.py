@@ -29,7 +29,7 @@ def rounded(tmp_path_factory):
 
 @pytest.mark.parametrize("corners, spacing", [(24, 0.5), (12, 0.8)])
 def test_coarse_lofts_with_rounded_ends(summary_of, tmp_path, corners, spacing):
-    """At the seams of coarse lofts the inner balls of the vertices alone do not overlap."""
+    """At the seams of coarse lofts the inner balls of the vertices alone do not connect."""
     pieces = []
     for a, b, r0, r1 in ((TREE[0]), ((16, 0, 0), (16 + 14 * np.cos(0.9), 14 * np.sin(0.9), 0.3), 0.8, 0.7)):
         length = float(np.linalg.norm(np.subtract(b, a)))
@@ -145,7 +145,7 @@ def test_the_facets_of_a_loft_are_wall(summary_of, tmp_path, corners, spacing, b
 
 @pytest.mark.parametrize("corners, spacing", [(24, 0.2), (10, 0.2)])
 def test_a_regular_loft_of_short_triangles_is_remeshed(summary_of, tmp_path, corners, spacing):
-    """Its long edges already have the wanted length, and collapses of the short ones would change them. It is remeshed anyway."""
+    """Its long edges have the wanted length, and collapses of short ones spoil them. It must be remeshed anyway."""
     points, triangles = lofts.loft(surfaces.arc(0.02), lambda s: 1.5 + 0 * s, 25, corners, spacing)
     summary = summary_of(surfaces.write(tmp_path / "loft.stl", points, triangles))
     assert summary["mesh"]["min_angle_deg"] > 30
@@ -164,7 +164,7 @@ def test_slanted_ends_stay_as_they_are(summary_of, tmp_path, slant):
 
 
 def test_flat_ends_with_chamfered_rims(summary_of, tmp_path):
-    """A surface contoured on a grid has a chamfer one cell wide round each flat end, so the end's outline is a zigzag."""
+    """A surface contoured on a grid has a chamfer one cell wide round each flat end. Its outline is a zigzag."""
     low, field = surfaces.tree_field(TREE)
     grid = low + 0.2 * np.moveaxis(np.indices(field.shape), 0, -1)
     flat = [(-1.0, 0, 0), *(np.subtract(b, a) / np.linalg.norm(np.subtract(b, a)) for a, b, _, _ in TREE)]
@@ -194,7 +194,7 @@ def test_a_flat_end_whose_rim_was_smoothed_is_as_wide_as_its_vessel(summary_of, 
 
 @pytest.mark.parametrize("angle, told", [(0.9, False), (np.pi - 0.9, True), (np.radians(112), False)])
 def test_side_branches_that_lean_back_speak_against_the_inlet(summary_of, tmp_path, angle, told):
-    """One branch may leave at 112 degrees, as a conus branch does. At 128 degrees the inlet must be at the other end."""
+    """One branch may leave at 112 degrees, as a conus branch does. At 128 degrees the inlet is doubted."""
     side = ((15, 0, 0), (15 + 9 * np.cos(angle), 9 * np.sin(angle), 0), 0.8, 0.7)
     summary = summary_of(surfaces.write(tmp_path / "t.stl", *surfaces.tree([((0, 0, 0), (30, 0, 0), 1.9, 1.6), side])))
     assert (reported(summary, "inlet chosen by its width alone") > 0) == told
@@ -252,7 +252,7 @@ def test_caps_given_as_files(summary_of, lumen, tmp_path, wall):
         names.append(surfaces.write(tmp_path / f"{name}.stl", points, triangles[cells]))
     body = triangles[~(first | last)] if wall == "open" else triangles
     surface = surfaces.write(tmp_path / "wall.stl", points, body)
-    summary = summary_of(surface, "--cap", names[0], "--cap", names[1])  # the first cap, here at the smaller end, is the inlet
+    summary = summary_of(surface, "--cap", names[0], "--cap", names[1])  # the first cap is the inlet
     assert summary["ends"][0]["kind"] == "inlet"
     assert summary["ends"][0]["centre_mm"] == pytest.approx(points[-1], abs=0.01)
     assert summary["ends"][0]["area_mm2"] == pytest.approx(np.pi * 1.4**2, rel=0.02)
@@ -271,8 +271,8 @@ def cap_files(folder, points, triangles):
 @pytest.mark.parametrize("height_mm", [1.2, 8.0])
 @pytest.mark.parametrize("wall", ["open", "closed"])
 def test_a_dome_as_cap_file_is_opened_at_its_rim(summary_of, tmp_path, wall, height_mm):
-    """The cap file has the triangles of a rounded end, so the vessel ends where they begin. The middle of a tall dome is
-    several radii from there."""
+    """The cap file has the triangles of a rounded end, so the vessel ends where they begin. The middle of a tall dome
+    is several radii from there."""
     points, triangles = surfaces.tube(surfaces.arc(0.1), lambda s: 1.6 - 0.01 * s, 20)
     flat = points[-2].copy()
     points[-2] -= [height_mm, 0, 0]
@@ -289,8 +289,8 @@ def test_a_dome_as_cap_file_is_opened_at_its_rim(summary_of, tmp_path, wall, hei
 @pytest.mark.parametrize("cut_at", [0.95, 0.8, 0.45])
 @pytest.mark.parametrize("wall", ["open", "closed"])
 def test_a_cap_file_of_a_shallow_tip_names_its_end(summary_of, tmp_path, wall, cut_at):
-    """The first end is a half ball, cut where it has the share `cut_at` of the radius. Beside the rim the wall lies nearly
-    in the rim's plane, as round a hole. The cap file keeps it open. An end much narrower than its vessel is reported."""
+    """The first end is a half ball, cut where it has the share `cut_at` of the radius. Beside the rim the wall lies
+    nearly in the rim's plane, as round a hole. The cap file keeps it open. A much too narrow end is reported."""
     radius = lambda s: np.where(s < 1.5, np.sqrt(np.maximum(1.5**2 - (s - 1.5) ** 2, 1e-6)), 1.5)  # noqa: E731
     start = 1.5 * (1 - np.sqrt(1 - cut_at**2))
     points, triangles = surfaces.tube(surfaces.straight, lambda s: radius(s + start), 20, 0.2)
