@@ -1,4 +1,4 @@
-"""Command line: python3 -m workflow validate|scene|stent-alone|provenance|manifest|verify|agreement|failed|best-plans|cohort."""
+"""Command line of the study: configuration, scenes, provenance, manifests, failed steps, best plans, cohorts."""
 
 import argparse
 import pathlib

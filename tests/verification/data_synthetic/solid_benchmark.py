@@ -18,7 +18,12 @@ def rows(case, document):
     found = []
     for solid in document["solids"]:
         against = solid["slices_against_it"]
-        row = {"case": case, "mesh": solid["mesh"], "unknowns": solid["degrees_of_freedom"], "seconds_s": solid["seconds"]}
+        row = {
+            "case": case,
+            "mesh": solid["mesh"],
+            "unknowns": solid["degrees_of_freedom"],
+            "seconds_s": solid["seconds"],
+        }
         for region in ("stent", "stent_edges", "beyond"):
             for name in ("mean", "rms", "largest"):
                 row[f"{region}_area_{name}_percent"] = against.get(f"{region}_area_percent", {}).get(name)
