@@ -1,4 +1,4 @@
-"""Command line of the study: configuration, scenes, provenance, manifests, failed steps, best plans, cohorts."""
+"""Command line of the study: configuration, scenes, provenance, manifests, failed steps, cohorts."""
 
 import argparse
 import pathlib
@@ -58,12 +58,6 @@ def run_failed(options):
         print(f"{step['case']} failed at {step['step']}: {step['message'].splitlines()[0]}", file=sys.stderr)
     if not steps:
         sys.exit(1)
-
-
-def run_best_plans(options):
-    from workflow.best_plans import flows_of_best_plans
-
-    print("\n".join(flows_of_best_plans(options.results, options.count)))
 
 
 def run_agreement(options):
@@ -138,10 +132,6 @@ def main(arguments=None):
     failed.add_argument("--since", type=float, default=0.0, help="only from this time on, in seconds since 1970 (0)")
     failed.add_argument("--out", type=pathlib.Path, required=True, help="failed.json, for `snakemake --config failed=`")
     failed.set_defaults(run=run_failed)
-    best = commands.add_parser("best-plans", help="files of the 3D flows of each case's best plans, for Snakemake")
-    best.add_argument("--results", type=pathlib.Path, default=results, help="root of the products (results)")
-    best.add_argument("--count", type=int, default=2, help="plans of each case (2)")
-    best.set_defaults(run=run_best_plans)
     agreement = commands.add_parser(
         "agreement", help="a page on a study beside the manifest of another system; exit code 3"
     )

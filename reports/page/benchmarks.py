@@ -89,7 +89,7 @@ TITLES = {
     ),
     "reference_against_solid": (
         "Reference: slices against a solid in three dimensions",
-        "A row is a vessel and a mesh of the solid; errors are those of the slices' area, inside the stent, at its ends "
+        "A row is a vessel and a mesh of the solid; errors are those of the slices' area, in the stent, at its ends "
         "and beyond.",
     ),
     "reference_against_calculix": (

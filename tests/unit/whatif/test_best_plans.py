@@ -3,7 +3,7 @@
 import pytest
 
 from common.errors import InputError
-from workflow.best_plans import flows_of_best_plans
+from whatif.best_plans import flows_of_best_plans
 
 
 def write_ranking(results, case, rows):
