@@ -26,7 +26,6 @@ EX_VIVO = "OCT of ten calcified hearts ex vivo, non-compliant balloon 1:1"
 SCHMIDT = "Schmidt 2017, doi 10.1515/cdbme-2017-0029 (five 3.0 mm stents)"
 YANG = "Yang 2025, doi 10.3389/fcvm.2025.1524390 (416 lesions, IVUS)"
 GAIN = "OCT before and after stenting, PMC8920319 (about 200 frames); its own finite elements give 1.43 (0.41)"
-MAXIMAL = "micro-CT of 4.0 mm stents after two 6.0 mm balloons (EuroIntervention)"
 WIESENT = "Wiesent 2019, doi 10.1371/journal.pone.0224026"
 COLUMNS = ["bench", "quantity", "unit", "published", "engine", "truth", "n", "remark", "source"]
 VESSEL_MM = 3.0  # healthy diameter of the calcified vessels
@@ -56,18 +55,17 @@ def catalogue_entry(families, family, diameter, length):
     return entry | {"nominal_diameter_mm": diameter, "length_mm": length}
 
 
-def stent_diameters(folder, build, families, tube, pressure_bar, wall=None, diameter=3.0, balloon=("des_balloon", 3.0)):
+def stent_diameters(folder, build, families, tube, pressure_bar, wall=None):
     """(places (n,), diameters (n,)) in mm along a stent that its balloon holds open in a tube.
 
-    The stent is of the family `des`, 18 mm long, and has the nominal diameter `diameter` in mm. balloon: family and
-    diameter in mm of the delivery balloon. The run may be refused after the last stage, because a stent that opens
-    freely touches no wall. So the diameters are read from a frame of an earlier stage.
+    The stent is of the family `des`, 3.0 mm wide and 18 mm long. The run may be refused after the last stage, because a
+    stent that opens freely touches no wall. So the diameters are read from a frame of an earlier stage.
     """
     path = scenes.write_scene(folder, tube, wall=wall)
     scene = json.loads(path.read_text())
     scene["devices"] = {
-        "delivery": catalogue_entry(families, *balloon, 18),
-        "stent": catalogue_entry(families, "des", diameter, 18),
+        "delivery": catalogue_entry(families, "des_balloon", 3.0, 18),
+        "stent": catalogue_entry(families, "des", 3.0, 18),
     }
     scene["procedure"] = [scene["procedure"][1]]
     scene["procedure"][0]["devices"][0]["pressure_bar"] = pressure_bar
@@ -93,24 +91,6 @@ def free_expansion(folder, build, families):
             "source": WIESENT,
             "remark": NO_TRUTH_REMARK,
         }
-
-
-def maximal_expansion(folder, build, families):
-    """Yields a row for a 4.0 mm stent that a 6.0 mm balloon opens in air."""
-    tube = scenes.Tube(30.0, 4.0, 0.0, edge=0.8)
-    _, diameters_mm = stent_diameters(
-        folder / "maximal", build, families, tube, 14, diameter=4.0, balloon=("non_compliant", 6.0)
-    )
-    limit = catalogue_entry(families, "des", 4.0, 18)["maximal_diameter_mm"]
-    yield {
-        "bench": "maximal expansion",
-        "quantity": "diameter of a 4.0 mm stent opened by a 6.0 mm balloon at 14 atm",
-        "unit": "mm",
-        "published": "5.4 to 6.0, balloon out",
-        "engine": f"{diameters_mm[len(diameters_mm) // 2]:.2f}, balloon in",
-        "source": MAXIMAL,
-        "remark": f"the engine warns beyond the catalogue's {limit} mm; {NO_TRUTH_REMARK}",
-    }
 
 
 def steel_ring(folder, build, families):
@@ -303,7 +283,6 @@ def main(arguments=None):
         rows = [
             *steel_ring(scratch, options.build, families),
             *free_expansion(scratch, options.build, families),
-            *maximal_expansion(scratch, options.build, families),
             *drawn_cohort(scratch / "drawn", options.build, options.drawn, options.seed),
             *calcium_slopes(scratch, options.build),
             *inflated_areas(scratch, options.build),
