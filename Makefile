@@ -46,7 +46,7 @@ study: build ## run a cohort (COHORT=nine|three|quick|contrast|pressures|hard|re
 	@echo "report: $(REPORT)"
 
 best-plans: build ## after `make study`: flow in three dimensions of the two best plans of each case, then the report
-	@flows=$$($(PYTHON) -m whatif best-plans) && $(SNAKEMAKE) $$flows $(STUDY_OPTIONS)
+	@$(SNAKEMAKE) best_plans $(STUDY_OPTIONS)
 	@$(MAKE) --no-print-directory study
 
 manifest: ## write what a finished study must give again on any machine, config/manifests/COHORT.json

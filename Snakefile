@@ -62,6 +62,7 @@ wildcard_constraints:
 localrules:
     all,
     benchmarks,
+    best_plans,
     half_maximum_settings,
     settings,
 

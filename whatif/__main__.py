@@ -1,4 +1,4 @@
-"""Command line: `python3 -m whatif plans | deploy | best-plans | lumens | flow | deployment`."""
+"""Command line: `python3 -m whatif plans | deploy | lumens | flow | deployment`."""
 
 import argparse
 import pathlib
@@ -29,12 +29,6 @@ def run_deploy(options):
     if options.plan not in plans:
         raise InputError("no such plan", options.plans, options.plan, f"one of {', '.join(plans)}")
     deploy(case_from_options(options), plans[options.plan], options.devices, options.out)
-
-
-def run_best_plans(options):
-    from whatif.best_plans import flows_of_best_plans
-
-    print("\n".join(flows_of_best_plans(options.results, options.count)))
 
 
 def run_lumens(options):
@@ -84,10 +78,6 @@ def parser():
         command.add_argument("--edge", type=float, default=0.4, help="of the deployed lumen, as `lumen process` (0.4)")
         command.add_argument("--spacing", type=float, default=0.5, help="of its sections, mm (0.5)")
         command.add_argument("--out", type=path, required=True, help="the file; of deploy a folder")
-    best = commands.add_parser("best-plans", help="prints the files of the 3D flows of each case's best plans")
-    best.add_argument("--results", type=path, default=path("results"), help="root of a study's products (results)")
-    best.add_argument("--count", type=int, default=2, help="plans of each case (2)")
-    best.set_defaults(run=run_best_plans)
     return root
 
 

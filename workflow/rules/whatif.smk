@@ -1,4 +1,6 @@
 # Other plans for a case, and the sensitivity of FFR and areas. The 1D network, calibrated on 3D flow, gives FFR.
+from whatif.best_plans import flows_of_best_plans
+
 # VARIED: files of a finished case, the inputs of the rules that vary it.
 VARIED = [
     INPUTS.files_of_states("flow/{state}/ffr.json", "{anatomy}/anatomy.json", "{anatomy}/sections.csv"),
@@ -114,6 +116,13 @@ use rule flow_solve as plan_solve with:
         "results/cases/{case}/logs/whatif/{plan}/flow_solve.log",
     benchmark:
         "results/cases/{case}/benchmarks/whatif/{plan}/flow_solve.tsv"
+
+
+rule best_plans:
+    message:
+        "flow in three dimensions of the two best plans of each case, by its own name only"
+    input:
+        lambda wildcards: flows_of_best_plans(CASES),
 
 
 rule flow_sensitivity:
