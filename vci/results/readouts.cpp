@@ -106,6 +106,13 @@ Segment reported_segment(const Scene& scene) {
   return span_of(scene, scene.procedure.front().devices.front());
 }
 
+std::string crossing_warning(const Crossings& found) {
+  std::ostringstream text;
+  text << "the wall is folded: " << found.pairs << " pairs of its triangles cross, first at (" << found.first.x()
+       << ", " << found.first.y() << ", " << found.first.z() << ") mm; do not trust areas and flow there";
+  return text.str();
+}
+
 std::vector<std::string> warnings_of_outcome(const json& stents, double malapposition_mm, const OutcomeLimits& limits) {
   std::vector<std::string> warnings;
   for (const json& stent : stents)
@@ -201,6 +208,8 @@ json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string
   out["maximal_malapposition_mm"] = gap;
   for (const std::string& warning : warnings_of_outcome(out["stents"], gap))
     out["warnings"].push_back(warning);
+  if (const Crossings found = self_crossings(lumen.triangles, d.points); found.pairs > 0)
+    out["warnings"].push_back(crossing_warning(found));
   return out;
 }
 

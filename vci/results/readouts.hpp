@@ -1,5 +1,6 @@
 // Results that a clinician asks for: areas, expansion, recoil, foreshortening, straightening, malapposition.
 #pragma once
+#include "vci/geometry/crossings.hpp"
 #include "vci/procedure/deployment.hpp"
 
 namespace vci {
@@ -24,6 +25,10 @@ struct OutcomeLimits {
 /// @param malapposition_mm largest gap
 std::vector<std::string> warnings_of_outcome(const nlohmann::json& stents, double malapposition_mm,
                                              const OutcomeLimits& limits = {});
+
+/// Warning of a wall that crosses itself. Nothing in the model keeps the wall from this: at a carina, a wide balloon
+/// may push the wall of one branch through that of the other.
+std::string crossing_warning(const Crossings& found);
 
 /// Lumen areas every 0.5 mm along a branch from s_start to s_end (mm), as a list of {s_mm, area_mm2}. An area is null
 /// if its section has no closed outline.

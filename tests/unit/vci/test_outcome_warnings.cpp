@@ -30,3 +30,10 @@ TEST(OutcomeWarnings, AGapToTheWallAboveFourTenthsOfAMillimetre) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0], "malapposition: a stent stands 0.401 mm off the wall, more than 0.4 mm");
 }
+
+TEST(OutcomeWarnings, AFoldedWallWithThePlaceOfItsFirstCrossing) {
+  EXPECT_EQ(
+      vci::crossing_warning({3, {1.5, -2, 0.25}}),
+      "the wall is folded: 3 pairs of its triangles cross, first at (1.5, -2, 0.25) mm; do not trust areas and flow "
+      "there");
+}

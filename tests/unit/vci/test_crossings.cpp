@@ -1,0 +1,30 @@
+// Where a surface crosses itself: two sheets that touch, pass through each other, or lie apart.
+#include "vci/geometry/crossings.hpp"
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace vci;
+
+/// A flat square of 2 x 2 triangles, and a triangle that stands upright on it and begins at the height z (mm).
+Crossings sheet_and_blade(double z) {
+  const Vectors x{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.2, z}, {0.5, 0.8, z}, {0.5, 0.5, 1}};
+  return self_crossings({{0, 1, 2}, {0, 2, 3}, {4, 5, 6}}, x);
+}
+
+TEST(Crossings, ABladeThatPassesThroughASheetCrossesItsTriangles) {
+  const Crossings found = sheet_and_blade(-0.1);
+  EXPECT_EQ(found.pairs, 2);
+  EXPECT_EQ(found.first, Vec3(0, 0, 0));
+}
+
+TEST(Crossings, ABladeAboveTheSheetDoesNot) {
+  EXPECT_EQ(sheet_and_blade(0.01).pairs, 0);
+}
+
+TEST(Crossings, NeighboursThatShareAVertexAreNotCounted) {
+  const Vectors x{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0.5}};
+  EXPECT_EQ(self_crossings({{0, 1, 2}, {0, 2, 3}}, x).pairs, 0);
+}
+
+} // namespace

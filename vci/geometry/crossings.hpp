@@ -1,0 +1,16 @@
+// Where a surface crosses itself.
+#pragma once
+#include "vci/linalg/types.hpp"
+
+namespace vci {
+
+struct Crossings {
+  int pairs = 0;             ///< pairs of triangles that cross each other and share no vertex
+  Vec3 first = Vec3::Zero(); ///< a vertex of the first pair, mm
+};
+
+/// The crossings of a surface with itself.
+/// @param triangles indices of points x (mm)
+Crossings self_crossings(const Triangles& triangles, const Vectors& x);
+
+} // namespace vci
