@@ -1,5 +1,6 @@
 // By how much a step may compress a triangle.
 #include "vci/solver/compression_limit.hpp"
+#include "vci/solver/integrator.hpp"
 #include <gtest/gtest.h>
 
 namespace {
@@ -69,6 +70,29 @@ TEST(CompressionLimit, ATriangleWithoutAreaHoldsNothingBack) {
   Vectors dx = wanted;
   EXPECT_EQ(limit_compression(system, dx), 0);
   EXPECT_EQ(dx, wanted);
+}
+
+/// A constant force on the last vertex along -x, N.
+struct Push : Force {
+  explicit Push(double newton) : size(newton) {}
+  ForceKind kind() const override { return ForceKind::pressure; }
+  double energy(const Vectors& x) const override { return size * x[3].x(); }
+  void evaluate(const Vectors&, Vectors& force, BlockMatrix*, bool) const override { force[3].x() -= size; }
+  void declare_stencils(BlockPattern&) const override {}
+  void locate_blocks(const BlockMatrix&) override {}
+  double size;
+};
+
+TEST(CompressionLimit, HoldsInTheSolversSteps) {
+  System system = two_triangles({1, 1, 1, 0});
+  IntegratorSettings settings;
+  settings.maximal_steps = 1;
+  const double h = settings.initial_step;
+  const double resistance = system.mass[3] / (h * h) + settings.damping * system.area[3] / h; // N/mm, of the first step
+  system.add_force(0, std::make_unique<Push>(0.15 * resistance)); // 0.15 mm, through the triangle's far edge at 0.1 mm
+  Interactions none;
+  relax(system, none, settings);
+  EXPECT_NEAR(system.x[3].x(), 0.4625, 1e-6) << "a quarter of the displacement, the largest share that keeps half";
 }
 
 } // namespace
