@@ -1,4 +1,4 @@
-"""Which plans of a finished study are worth a flow in three dimensions: the best of each case by the calibrated network.
+"""Which plans of a finished study are worth a flow in 3D: the best of each case by the calibrated network.
 
 The study ranks all plans by the network alone, since a 3D flow takes as long as the flow of a state after PCI.
 """
