@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace vci {
 
@@ -13,8 +12,8 @@ namespace {
 constexpr double smallest_step = 0.03;    // ms: length of the shortest step
 constexpr int sticking_steps = 8;         // after a step that turned back, steps with the whole friction stiffness
 constexpr double quasi_static_step = 0.5; // ms: longer steps drop the velocity, and with it the inertia of the motion
-// After `stalled_steps` / `careful_divisor` steps without progress, the steps of oscillating vertices are shortened for
-// the rest of the stage. Linear solves must then also reach this relative tolerance in the preconditioner's norm.
+// After `stalled_steps` / `careful_divisor` steps without progress, linear solves of the rest of the stage must also
+// reach this relative tolerance in the preconditioner's norm.
 constexpr int careful_divisor = 6;
 constexpr double careful_tolerance = 0.1;
 // N, over all vertices: a smaller net force counts as balance. An unloaded wall has no applied force to compare with,
@@ -191,17 +190,16 @@ private:
     return must_give_up();
   }
 
-  /// Counts the steps without progress. After a sixth of `stalled_steps` of them, oscillating vertices are damped and
-  /// the count begins again. Returns true if the stage must be given up: after `stalled_steps`, or at the maximal
-  /// number of steps.
+  /// Counts the steps without progress. After a sixth of `stalled_steps` of them, the linear solves become more
+  /// accurate and the count begins again. Returns true if the stage must be given up: after `stalled_steps`, or at the
+  /// maximal number of steps.
   bool must_give_up() {
     if (forces_.residual < 0.9 * best_residual_) {
       best_residual_ = forces_.residual;
       best_step_ = result_.steps;
     }
     const int without_progress = result_.steps - best_step_;
-    if (!damping_ && without_progress >= std::max(1, s_.stalled_steps / careful_divisor)) {
-      damping_.emplace();
+    if (result_.careful_from < 0 && without_progress >= std::max(1, s_.stalled_steps / careful_divisor)) {
       pcg_.preconditioned_tolerance = careful_tolerance;
       result_.careful_from = best_step_ = result_.steps;
     }
@@ -262,8 +260,8 @@ private:
   /// Moves the vertices and commits slip and plastic strain.
   void apply_step(double large_displacement) {
     const bool inertial = h_ <= quasi_static_step;
-    if (damping_ && !inertial)
-      damping_->damp(dx_, last_dx_, large_displacement);
+    if (!inertial)
+      relaxation_.damp(dx_, last_dx_, large_displacement);
     // Only a vertex that exceeds the limit is held back, since the step is good for the others.
     for (Vec3& d : dx_)
       if (const double length = d.norm(); length > displacement_limit())
@@ -296,8 +294,8 @@ private:
   PreconditionerCache preconditioner_;
   Inertia inertia_;
   PcgSettings pcg_;
-  std::optional<StepRelaxation> damping_; ///< shortens the steps of oscillating vertices; empty until progress stalls
-  double h_;                              ///< length of the step, ms
+  StepRelaxation relaxation_; ///< shortens the steps of oscillating vertices
+  double h_;                  ///< length of the step, ms
   double previous_residual_ = 0, best_residual_ = 1e300;
   int best_step_ = 0;
   int sticking_ = 0;      ///< number of further steps in which sliding contacts keep their whole friction stiffness

@@ -56,7 +56,7 @@ struct RelaxResult {
   bool stalled = false; ///< given up because the residual had not fallen by a tenth for stalled_steps
   Imbalance imbalance;  ///< set only if the stage was given up
   int steps = 0, cg_iterations = 0, contacts = 0;
-  int careful_from = -1; ///< step from which oscillating vertices were damped for lack of progress; -1: never
+  int careful_from = -1; ///< step from which linear solves were more accurate for lack of progress; -1: never
   double residual = 0;   ///< see relax()
   double maximal_penetration = 0, mean_penetration = 0; ///< mm, over the contact points; gaps above 0 count as 0
   std::array<int, 2> deepest{-1, -1}; ///< the deepest vertex, and a vertex of the surface that it has crossed

@@ -2,6 +2,7 @@
 #include "common/error.hpp"
 #include "vci/mechanics/hinge.hpp"
 #include "vci/wall/foundation.hpp"
+#include "vci/wall/septum.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -162,6 +163,14 @@ void add_foundation(System& system, int body, const MovingPart& part, const Lume
   system.add_force(body, std::make_unique<RingFoundation>(std::move(rings), part.triangles));
 }
 
+/// Adds the tissue between branches.
+void add_septa(System& system, int body, const MovingPart& part, const WallSpec& spec) {
+  const SeptumTissue tissue{spec.intima_thickness + spec.media_thickness, spec.youngs_modulus, spec.tissue_modulus};
+  std::vector<Septum::Element> elements = septum_elements(part.triangles, part.points, tissue);
+  if (!elements.empty())
+    system.add_force(body, std::make_unique<Septum>(std::move(elements), spec.poisson_ratio));
+}
+
 } // namespace
 
 Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& may_move, const WallSpec& spec,
@@ -174,6 +183,7 @@ Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& may_m
   wall.intima = add_wall_layers(system, body, part, lumen, wall, spec);
   add_bending(system, body, part, spec);
   add_foundation(system, body, part, lumen, wall, spec, map_pa);
+  add_septa(system, body, part, spec);
   return wall;
 }
 

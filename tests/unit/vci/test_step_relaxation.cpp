@@ -43,6 +43,11 @@ TEST(StepRelaxation, AllVerticesThatJumpSettleThoughNoneIsAnOutlier) {
   EXPECT_LT(x[0].norm(), 1e-5);
 }
 
+TEST(StepRelaxation, TurnsThatDecayAreLeftAlone) {
+  EXPECT_EQ(positions_after(12, -1.7, -1.7, true)[0], positions_after(12, -1.7, -1.7, false)[0]);
+  EXPECT_NE(positions_after(12, -1.9, -1.9, true)[0], positions_after(12, -1.9, -1.9, false)[0]) << "a slow decay";
+}
+
 TEST(StepRelaxation, VerticesThatTurnBackOnceOrGoOnAreLeftAlone) {
   const Vectors last(200, Vec3(0.001, 0, 0));
   const Vectors there(200, Vec3(0.001, 0.0001, 0)), back(200, Vec3(-0.0005, 0, 0));

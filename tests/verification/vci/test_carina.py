@@ -1,0 +1,61 @@
+"""A stent wider than the vessel across the mouth of a side branch: the carina moves, but it does not fold."""
+
+import json
+import math
+import subprocess
+
+import pytest
+
+pytestmark = pytest.mark.slow
+
+CASE = """
+kind: synthetic
+description: A tight lesion at the mouth of a side branch, opened with a stent wider than the vessel.
+patient: {lvm_g: 115, sbp_mmhg: 132, dbp_mmhg: 88}
+vessel:
+  seed: 7
+  artery: lad
+  main: {length_mm: 40, ostial_diameter_mm: 3.6, taper_percent_per_cm: 2, mean_curvature_per_mm: 0.03,
+         max_curvature_per_mm: 0.06}
+  side_branches:
+    - {s_mm: 20, diameter_mm: 1.8, length_mm: 10, angle_deg: 45, azimuth_deg: 136}
+  lesions:
+    - {shape: focal, centre_s_mm: 20, length_mm: 10, diameter_stenosis_percent: 75, eccentricity: 0.37,
+       direction_deg: 320, plaque: lipid}
+plan:
+  - action: stent
+    devices:
+      - {device: des, diameter_mm: 4.0, length_mm: 12, branch: main, centre_s_mm: 20, pressure_bar: 12}
+"""
+
+
+@pytest.fixture(scope="module")
+def deployment(binary, run_module, repo_root, tmp_path_factory):
+    """deployment.json of the case."""
+    folder = tmp_path_factory.mktemp("carina")
+    case, anatomy, scene = folder / "carina.yaml", folder / "anatomy", folder / "vci" / "plan.json"
+    case.write_text(CASE)
+    lumen, devices = folder / "source" / "lumen.vtp", repo_root / "config" / "devices"
+
+    def check(result):
+        assert result.returncode == 0, result.stderr
+
+    def call(*command):
+        check(subprocess.run([str(c) for c in command], text=True, capture_output=True, timeout=200))
+
+    check(run_module("data_synthetic", "generate", case, "--out", folder / "source", timeout=200))
+    call(binary("lumen"), "process", lumen, "--units", "mm", "--edge", 0.4, "--out", anatomy)
+    check(run_module("anatomy", "plan", case, "--anatomy", anatomy, "--devices", devices, "--out", scene, timeout=60))
+    call(binary("vci"), "deploy", scene, "--out", folder / "out")
+    return json.loads((folder / "out" / "deployment.json").read_text())
+
+
+def test_the_carina_does_not_fold(deployment):
+    """Without the tissue between the branches, 68 pairs of triangles cross each other here."""
+    assert not [w for w in deployment["warnings"] if "folded" in w]
+
+
+def test_the_stent_is_open_at_the_carina(deployment):
+    """The septum yields to the stent: it opens to at least nine tenths of its nominal area at the mouth."""
+    areas = [a for s, a in zip(deployment["csa_profile"]["s_mm"], deployment["csa_profile"]["area_mm2"]) if 18 < s < 22]
+    assert min(areas) > 0.9 * math.pi * 4.0**2 / 4
