@@ -45,13 +45,13 @@ LABELS = {
 SHORT_LABELS = {
     "pre": "before",
     "vci": "VCI",
-    "rc": "radius",
-    "rc_stent": "radius, stent",
+    "rc": "radius correction",
+    "rc_stent": "radius correction, stent alone",
     "reference": "reference",
     "ct": "CT",
     "post": "after PCI",
 }
-SHORT_LABELS |= {"ct_vci": "VCI, CT", "ct_rc": "radius, CT", "measured": "wire"}
+SHORT_LABELS |= {"ct_vci": "VCI from CT", "ct_rc": "radius correction from CT", "measured": "wire"}
 ERROR_LABELS = {
     "method": "Method",
     "imaging_before": "Imaging before",
