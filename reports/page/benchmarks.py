@@ -17,7 +17,11 @@ TITLES = {
         "Textbook: whole vessel, fixed small step, plain conjugate gradients, stopped by velocity. Both at several "
         "costs. Levels: the cheapest row of each within an error of the mean area, and the ratio of their times.",
     ),
-    "deployment_hard_cases": ("Deployment: hard cases", "Each ends in force balance, or is refused with its reason."),
+    "deployment_hard_cases": (
+        "Deployment: hard cases",
+        "Each ends in force balance, or is refused with its reason. First steps: the same cases at five lengths of the "
+        "first solver step. Such runs take other paths to the same balance; spread: how far their areas differ.",
+    ),
     "deployment_against_published": (
         "Deployment: beside benches, cadavers and patients",
         "A row is a published figure. The change of expansion by the calcium's arc (Fujino 2018) is no test: by it the "

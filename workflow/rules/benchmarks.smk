@@ -79,6 +79,7 @@ rule deployment_hard_cases:
         bifurcation="config/cases/culotte_bench.yaml",
     output:
         "results/benchmarks/deployment_hard_cases/hard_cases.csv",
+        "results/benchmarks/deployment_hard_cases/first_steps.csv",
     log:
         "results/benchmarks/logs/deployment_hard_cases.log",
     benchmark:
@@ -90,7 +91,8 @@ rule deployment_hard_cases:
         build=programs_folder,
         out=output_folder,
     shell:
-        "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmarks.hard_cases --build {params.build} --out {params.out}"
+        "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmarks.hard_cases --build {params.build} --out {params.out} "
+        "--first-steps 0.27 0.29 0.30 0.31 0.34"
 
 
 rule deployment_sensitivity:

@@ -9,7 +9,7 @@ import signal
 import pytest
 
 from common.errors import InputError
-from vci.benchmarks import baseline, benchmark
+from vci.benchmarks import baseline, benchmark, hard_cases
 from vci.benchmarks.programs import run_program
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -121,4 +121,30 @@ def test_tables_of_the_page_are_those_of_the_files(tmp_path):
 
 def test_the_page_names_tables_that_there_are():
     places = measured_tables.PAGE.names((ROOT / "vci" / "measured.md").read_text())
-    assert places and places <= set(measured_tables.TABLES) | set(measured_tables.CONTRAST_TABLES)
+    assert places and places <= set(measured_tables.TABLES) | set(measured_tables.TABLE_FUNCTIONS)
+
+
+def deployment(areas, steps, depth, warnings=()):
+    """What the columns of first_steps.csv need of a deployment.json."""
+    stages = [{"steps": count, "max_penetration_mm": depth} for count in steps]
+    profile = [{"s_mm": k, "area_mm2": area} for k, area in enumerate(areas)]
+    return {"csa_profile": profile, "stages": stages, "warnings": list(warnings)}
+
+
+def test_runs_of_other_first_steps_are_compared_by_their_areas():
+    """A null section (area None) is left out; the means of 4 and 6, and of 4.2 and 6, differ by 2 %."""
+    found = hard_cases.differences(
+        [deployment([4, 6, None], [10, 5], 0.01), deployment([4.2, 6, None], [20], 0.03, ["the wall is folded: 3"])]
+    )
+    assert found["mean_area_spread_percent"] == pytest.approx(2)
+    assert found["minimal_area_spread_percent"] == pytest.approx(5)
+    assert (found["fewest_steps"], found["most_steps"], found["folded"]) == (15, 20, 1)
+    assert found["worst_penetration_mm"] == 0.03
+
+
+def test_table_of_first_steps_is_written_where_they_were_run(tmp_path):
+    assert measured_tables.differences_by_first_step(tmp_path) is None
+    folder = tmp_path / "benchmarks" / "deployment_hard_cases"
+    folder.mkdir(parents=True)
+    (folder / "first_steps.csv").write_text(f"{hard_cases.FIRST_STEP_COLUMNS}\ncurve,5,1,0,120,130,0.02,0.123,1.5\n")
+    assert "| curve | 1 | 0 | 120 | 130 | 0.020 | 0.12 | 1.50 |" in measured_tables.differences_by_first_step(tmp_path)

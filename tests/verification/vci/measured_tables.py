@@ -2,8 +2,8 @@
 
     /usr/bin/python3 tests/verification/vci/measured_tables.py results
 
-A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`, NAME being the folder of a benchmark, or a
-cohort of PREFIXES; where it was not run the table stays.
+A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`. NAME is the folder of a benchmark, a cohort
+of PREFIXES, or `first_steps`. A table stays as it is if it was not run.
 """
 
 import csv
@@ -116,7 +116,19 @@ TABLES = {
         },
     ),
 }
+FIRST_STEPS = {  # columns of first_steps.csv: their headings
+    "case": "case",
+    "refused": "refused",
+    "folded": "wall folded",
+    "fewest_steps": "fewest steps",
+    "most_steps": "most",
+    "worst_penetration_mm": "deepest, mm",
+    "mean_area_spread_percent": "spread of mean area, %",
+    "minimal_area_spread_percent": "of smallest area, %",
+}
 DIGITS = {
+    "mean_area_spread_percent": ".2f",
+    "minimal_area_spread_percent": ".2f",
     "youngs_modulus_mpa": ".0f",
     "strength_mpa": ".1f",
     "expansion_90_percent": ".0f",
@@ -179,8 +191,15 @@ def errors_of_both_methods(results, cohort):
     return markdown(CONTRAST_HEADINGS, rows) if rows else None
 
 
-CONTRAST_TABLES = {cohort: functools.partial(errors_of_both_methods, cohort=cohort) for cohort in PREFIXES}
-PAGE = Page("vci", TABLES, DIGITS, CONTRAST_TABLES)
+def differences_by_first_step(results):
+    """Markdown of first_steps.csv of the hard cases; None if they were not run with other first steps."""
+    path = results / "benchmarks" / "deployment_hard_cases" / "first_steps.csv"
+    return PAGE.table(path, FIRST_STEPS) if path.is_file() else None
+
+
+TABLE_FUNCTIONS = {cohort: functools.partial(errors_of_both_methods, cohort=cohort) for cohort in PREFIXES}
+TABLE_FUNCTIONS["first_steps"] = differences_by_first_step
+PAGE = Page("vci", TABLES, DIGITS, TABLE_FUNCTIONS)
 
 if __name__ == "__main__":
     PAGE.main()

@@ -60,6 +60,17 @@ def test_no_vertex_is_deep(table, case):
     assert float(table([case])[case]["worst_penetration_mm"]) <= WORST_LIMIT_MM
 
 
+@pytest.mark.slow
+def test_the_first_step_does_not_decide_the_areas(binary, run_module, tmp_path):
+    options = ["--only", "ordinary", "--first-steps", 0.27, 0.34, "--build", binary("vci").parent, "--out", tmp_path]
+    result = run_module("vci.benchmarks.hard_cases", *options, timeout=300)
+    assert result.returncode == 0, result.stderr
+    with (tmp_path / "first_steps.csv").open() as file:
+        (row,) = csv.DictReader(file)
+    assert (row["runs"], row["refused"], row["folded"]) == ("2", "0", "0")
+    assert 0 < float(row["mean_area_spread_percent"]) < 0.3, "another first step takes another path to the same end"
+
+
 @pytest.mark.parametrize("limit", [0.03, 0.04])
 def test_a_stage_ends_only_when_no_vertex_is_deeper_than_asked(binary, tmp_path, limit):
     """If nothing is asked, the case is 0.041 to 0.051 mm deep, by the first step's length and the processor."""
