@@ -110,12 +110,14 @@ struct Vessel {
 Vessel vessel_from(const Eigen::Ref<const PointRows>& points, const py::object& triangles,
                    const OptionalArray<double>& radius, const std::map<std::string, PointRows>& centreline,
                    const OptionalArray<double>& plaque, const py::object& plaque_type,
-                   const OptionalArray<double>& reference) {
-  const std::vector<int> types =
-      plaque_type.is_none() ? std::vector<int>{} : whole_numbers(array_of(plaque_type, "plaque_type"), "plaque_type");
+                   const OptionalArray<double>& reference, const py::object& branch_id) {
+  const auto optional_numbers = [](const py::object& array, const char* name) {
+    return array.is_none() ? std::vector<int>{} : whole_numbers(array_of(array, name), name);
+  };
   Vessel vessel;
-  vessel.lumen =
-      lumen_from(points, triangles_of(triangles), values_of(radius), values_of(plaque), types, values_of(reference));
+  vessel.lumen = lumen_from(points, triangles_of(triangles), values_of(radius), values_of(plaque),
+                            optional_numbers(plaque_type, "plaque_type"), values_of(reference),
+                            optional_numbers(branch_id, "branch_id"));
   NamedLines lines;
   for (const auto& [name, line] : centreline)
     lines.emplace_back(name, vectors_of(line));
@@ -246,7 +248,7 @@ PYBIND11_MODULE(_engine, m) {
   py::class_<Vessel>(m, "Lumen", "A lumen's surface with the axes of its branches. Lengths in mm.")
       .def(py::init(&vessel_from), py::arg("points"), py::arg("triangles"), py::arg("radius_mm"), py::arg("centreline"),
            py::kw_only(), py::arg("plaque_thickness_mm") = py::none(), py::arg("plaque_type") = py::none(),
-           py::arg("reference_radius_mm") = py::none(), R"(
+           py::arg("reference_radius_mm") = py::none(), py::arg("branch_id") = py::none(), R"(
 points: (n, 3) mm.
 triangles: (m, 3) indices of points, counterclockwise seen from outside; the wall without caps.
 radius_mm: (n,) local radius of the lumen.
@@ -254,6 +256,8 @@ centreline: {branch: (k, 3) mm}. `main` starts at the inlet, a side branch on it
 plaque_thickness_mm: (n,); none without it.
 plaque_type: (n,) int: 0 none, 1 fibrous, 2 lipid, 3 calcified.
 reference_radius_mm: (n,) radius without disease, for the expansion index.
+branch_id: (m,) int, number of each triangle's branch. The tissue between two branches keeps their walls apart;
+    without it the walls of a bifurcation may cross.
 
 Raises InputError where lengths differ or a value is not possible.)")
       .def_static(

@@ -46,7 +46,8 @@ PointRows rows_of(const Vectors& points) {
 
 Lumen lumen_from(const Eigen::Ref<const PointRows>& points, const Eigen::Ref<const TriangleRows>& triangles,
                  const std::vector<double>& radius, const std::vector<double>& plaque,
-                 const std::vector<int>& plaque_type, const std::vector<double>& reference_radius) {
+                 const std::vector<int>& plaque_type, const std::vector<double>& reference_radius,
+                 const std::vector<int>& branch) {
   constexpr double largest_mm = 20; // largest radius or plaque thickness accepted, the same as in files
   Lumen lumen;
   lumen.points = vectors_of(points);
@@ -71,6 +72,11 @@ Lumen lumen_from(const Eigen::Ref<const PointRows>& points, const Eigen::Ref<con
     lumen.triangles.push_back(t);
   }
   lumen.region.assign(lumen.triangles.size(), 0);
+  if (!branch.empty() && branch.size() != lumen.triangles.size())
+    throw common::InputError("a number of values that is not that of the triangles", "branch_id",
+                             std::to_string(branch.size()),
+                             "give one value for each of the " + std::to_string(lumen.triangles.size()) + " triangles");
+  lumen.branch = branch;
   return lumen;
 }
 

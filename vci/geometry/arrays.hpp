@@ -16,10 +16,12 @@ PointRows rows_of(const Vectors& points);
 /// @param plaque thickness of the plaque at each point, mm; empty: no plaque
 /// @param plaque_type type of the plaque at each point: 0 none, 1 fibrous, 2 lipid, 3 calcified; empty: 0 everywhere
 /// @param reference_radius radius without disease at each point, mm; empty: not known
+/// @param branch number of each triangle's branch; empty: all belong to one branch
 /// Throws common::InputError for arrays of different lengths, a triangle that names a missing point, a value that is
 /// not finite, or an unknown plaque type.
 Lumen lumen_from(const Eigen::Ref<const PointRows>& points, const Eigen::Ref<const TriangleRows>& triangles,
                  const std::vector<double>& radius, const std::vector<double>& plaque = {},
-                 const std::vector<int>& plaque_type = {}, const std::vector<double>& reference_radius = {});
+                 const std::vector<int>& plaque_type = {}, const std::vector<double>& reference_radius = {},
+                 const std::vector<int>& branch = {});
 
 } // namespace vci

@@ -12,6 +12,7 @@ struct Lumen {
   std::vector<double> plaque;           ///< plaque thickness, mm
   std::vector<int> plaque_type;         ///< 0 none, 1 fibrous, 2 lipid, 3 calcified
   std::vector<double> reference_radius; ///< radius without disease, mm; empty where it is not known
+  std::vector<int> branch;              ///< branch of each triangle; empty: all belong to one branch
 };
 
 } // namespace vci

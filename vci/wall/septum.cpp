@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace vci {
 
@@ -133,13 +134,15 @@ struct TriangleBehind {
   double distance, height; ///< of the vertex from the triangle's closest point and from its plane, mm
 };
 
-TriangleBehind triangle_behind(int vertex, const Vec3& normal, const std::vector<NearTriangle>& near,
-                               const Triangles& triangles, const Vectors& points) {
+/// @param own_branches branches of the triangles at the vertex
+TriangleBehind triangle_behind(int vertex, const Vec3& normal, const std::set<int>& own_branches,
+                               const std::vector<NearTriangle>& near, const Triangles& triangles,
+                               const std::vector<int>& branch, const Vectors& points) {
   constexpr double same_distance = 1e-9; // mm: triangles that share the closest point
   TriangleBehind best{-1, std::numeric_limits<double>::infinity(), 0};
   for (const NearTriangle& n : near) {
     const Triangle& t = triangles[n.triangle];
-    if (std::find(t.begin(), t.end(), vertex) != t.end() || n.distance > best.distance + same_distance)
+    if (own_branches.contains(branch[n.triangle]) || n.distance > best.distance + same_distance)
       continue;
     const Vec3 towards =
         n.weights[0] * points[t[0]] + n.weights[1] * points[t[1]] + n.weights[2] * points[t[2]] - points[vertex];
@@ -156,15 +159,22 @@ TriangleBehind triangle_behind(int vertex, const Vec3& normal, const std::vector
 } // namespace
 
 std::vector<Septum::Element> septum_elements(const Triangles& triangles, const Vectors& points,
-                                             const SeptumTissue& tissue) {
+                                             const std::vector<int>& branch, const SeptumTissue& tissue) {
+  std::vector<Septum::Element> elements;
+  if (branch.empty())
+    return elements;
+  std::vector<std::set<int>> own_branches(points.size());
+  for (std::size_t k = 0; k < triangles.size(); ++k)
+    for (int v : triangles[k])
+      own_branches[v].insert(branch[k]);
   const Vectors areas = vertex_area_vectors(triangles, points, 0, static_cast<int>(points.size()));
   const double reach = largest_distance_in_walls * tissue.wall_thickness;
   const BroadPhase boxes(triangles, points);
-  std::vector<Septum::Element> elements;
   std::vector<NearTriangle> near;
   for (int v = 0; v < static_cast<int>(points.size()); ++v) {
     boxes.find_near(points[v], triangles, points, reach, reach, -1, near);
-    const TriangleBehind behind = triangle_behind(v, areas[v].normalized(), near, triangles, points);
+    const TriangleBehind behind =
+        triangle_behind(v, areas[v].normalized(), own_branches[v], near, triangles, branch, points);
     if (behind.triangle < 0)
       continue;
     const Triangle& t = triangles[behind.triangle];

@@ -47,7 +47,8 @@ struct SeptumTissue {
 /// The elements of all septa of a wall. The triangle behind a vertex is the closest triangle of another branch, within
 /// five wall thicknesses. Each side of a septum gets half of its volume.
 /// @param triangles, points the wall (mm), with normals out of the lumen
+/// @param branch branch of each triangle; empty: there is one branch, so there is no septum
 std::vector<Septum::Element> septum_elements(const Triangles& triangles, const Vectors& points,
-                                             const SeptumTissue& tissue);
+                                             const std::vector<int>& branch, const SeptumTissue& tissue);
 
 } // namespace vci

@@ -164,9 +164,14 @@ void add_foundation(System& system, int body, const MovingPart& part, const Lume
 }
 
 /// Adds the tissue between branches.
-void add_septa(System& system, int body, const MovingPart& part, const WallSpec& spec) {
+void add_septa(System& system, int body, const MovingPart& part, const Lumen& lumen, const Wall& wall,
+               const WallSpec& spec) {
+  std::vector<int> branch;
+  if (!lumen.branch.empty())
+    for (int triangle : wall.lumen_triangle)
+      branch.push_back(lumen.branch[triangle]);
   const SeptumTissue tissue{spec.intima_thickness + spec.media_thickness, spec.youngs_modulus, spec.tissue_modulus};
-  std::vector<Septum::Element> elements = septum_elements(part.triangles, part.points, tissue);
+  std::vector<Septum::Element> elements = septum_elements(part.triangles, part.points, branch, tissue);
   if (!elements.empty())
     system.add_force(body, std::make_unique<Septum>(std::move(elements), spec.poisson_ratio));
 }
@@ -183,7 +188,7 @@ Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& may_m
   wall.intima = add_wall_layers(system, body, part, lumen, wall, spec);
   add_bending(system, body, part, spec);
   add_foundation(system, body, part, lumen, wall, spec, map_pa);
-  add_septa(system, body, part, spec);
+  add_septa(system, body, part, lumen, wall, spec);
   return wall;
 }
 

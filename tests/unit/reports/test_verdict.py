@@ -235,7 +235,7 @@ def test_what_puts_a_result_in_doubt_is_named_with_its_patients():
     found = {one["what"]: {case["name"]: case["detail"] for case in one["cases"]} for one in line["warnings"]}
     assert line["text"] == "" and found == {
         "FFR not known to be within the flow's tolerance": {
-            "low": "before ± unknown, VCI ± 0.0010, radius ± 0.0010, reference ± 0.0010"
+            "low": "before ± unknown, VCI ± 0.0010, radius correction ± 0.0010, reference ± 0.0010"
         },
         "flow with artificial viscosity": {"low": "before"},
         "expansion index below 0.6": {"low": "0.57"},

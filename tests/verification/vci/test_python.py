@@ -163,6 +163,8 @@ def test_bad_arrays_are_refused():
         ({"plaque_type": radius}, "whole numbers"),
         ({"centreline": {"side1": points[:5]}}, "main"),
         ({"reference_radius_mm": radius - 9}, "reference_radius"),
+        ({"branch_id": np.zeros(3, int)}, "branch_id"),
+        ({"branch_id": np.zeros(len(triangles))}, "whole numbers"),
     ):
         with pytest.raises(vci.InputError, match=words):
             lumen_of(tube, **changes)

@@ -86,6 +86,7 @@ LumenFile load_lumen(const std::filesystem::path& file) {
   if (vtkDataArray* reference = lumen.data->GetPointData()->GetArray("reference_radius_mm"))
     for (vtkIdType i = 0; i < n; ++i)
       lumen.reference_radius.push_back(rounded_to_nanometre(reference->GetTuple1(i)));
+  vtkDataArray* branch = lumen.data->GetCellData()->GetArray("branch_id");
   vtkCellArray* polys = lumen.data->GetPolys();
   for (vtkIdType k = 0; k < m; ++k) {
     vtkIdType size;
@@ -99,6 +100,8 @@ LumenFile load_lumen(const std::filesystem::path& file) {
                                "cell " + std::to_string(k), "the file is damaged: write it anew");
     lumen.triangles.push_back({static_cast<int>(ids[0]), static_cast<int>(ids[1]), static_cast<int>(ids[2])});
     lumen.region.push_back(static_cast<int>(region->GetTuple1(k)));
+    if (branch)
+      lumen.branch.push_back(static_cast<int>(branch->GetTuple1(k)));
   }
   return lumen;
 }
