@@ -1,7 +1,7 @@
 """Generates hard cases of the deployment and runs them one after another. hard_cases.csv has a row for each case.
 
 /usr/bin/python3 -m vci.benchmarks.hard_cases --out results/hard_cases [--only NAME ...] [--scenes SCENE.json ...]
-    [--first-steps MS ...]
+    [--first-steps 0.27 0.34]
 
 Each case ends in force balance, or is refused with a reason. The column `within_limits` tells whether the mean
 penetration is at most MEAN_LIMIT_MM and the worst at most WORST_LIMIT_MM. Runs follow one another on one thread.
