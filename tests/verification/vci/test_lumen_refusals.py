@@ -190,3 +190,23 @@ def test_a_file_cut_short_is_one_error(binary, scene):
     content = (scene.parent / "lumen.vtp").read_bytes()
     (scene.parent / "lumen.vtp").write_bytes(content[: len(content) * 2 // 3])
     assert "the lumen cannot be read" in refusal(binary, scene)
+
+
+@pytest.mark.parametrize("name", ["region_id", "branch_id"])
+@pytest.mark.parametrize("value", [np.nan, 0.5, 1e300, [0.0, 0.0, 0.0]])
+def test_arrays_of_cells_hold_whole_numbers(binary, scene, name, value):
+    path = scene.parent / "lumen.vtp"
+    lumen = vtp.read(path, "")
+    vtp.add_array(lumen.GetCellData(), name, np.array([value] * lumen.GetNumberOfCells()))
+    vtp.write(path, lumen)
+    assert f"{name} of cell 0" in refusal(binary, scene)
+
+
+def test_a_branch_of_whole_numbers_is_accepted_as_any_number(binary, scene):
+    """A single branch, whatever its number, and stored as floating point."""
+    path = scene.parent / "lumen.vtp"
+    lumen = vtp.read(path, "")
+    vtp.add_array(lumen.GetCellData(), "branch_id", np.full(lumen.GetNumberOfCells(), -3.0))
+    vtp.write(path, lumen)
+    run = [str(binary("vci")), "radius-correct", str(scene), "--out", str(scene.parent / "out")]
+    assert subprocess.run(run, text=True, capture_output=True, timeout=100).returncode == 0

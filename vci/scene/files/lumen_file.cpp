@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace vci {
 
@@ -24,6 +25,19 @@ vtkDataArray* required_array(vtkDataSetAttributes* attributes, const char* name,
   if (!array)
     throw common::InputError("the lumen lacks an array", file.string(), name, "make the lumen with the anatomy step");
   return array;
+}
+
+/// The whole number of a cell. Throws if the array holds something else.
+int cell_number(vtkDataArray* array, vtkIdType cell, const std::filesystem::path& file) {
+  const double value = array->GetComponent(cell, 0);
+  if (array->GetNumberOfComponents() != 1 || std::abs(value) > 1e9 || value != std::floor(value)) {
+    std::ostringstream found;
+    found << array->GetName() << " of cell " << cell << ": " << value
+          << ", components: " << array->GetNumberOfComponents();
+    throw common::InputError("an array of the lumen's cells that is not of whole numbers", file.string(), found.str(),
+                             "make the lumen with the anatomy step");
+  }
+  return static_cast<int>(value);
 }
 
 void add_arrays(vtkPolyData* data, const std::vector<PointArray>& arrays) {
@@ -99,9 +113,9 @@ LumenFile load_lumen(const std::filesystem::path& file) {
       throw common::InputError("a cell that names a point which is not there", file.string(),
                                "cell " + std::to_string(k), "the file is damaged: write it anew");
     lumen.triangles.push_back({static_cast<int>(ids[0]), static_cast<int>(ids[1]), static_cast<int>(ids[2])});
-    lumen.region.push_back(static_cast<int>(region->GetTuple1(k)));
+    lumen.region.push_back(cell_number(region, k, file));
     if (branch)
-      lumen.branch.push_back(static_cast<int>(branch->GetTuple1(k)));
+      lumen.branch.push_back(cell_number(branch, k, file));
   }
   return lumen;
 }
