@@ -77,9 +77,9 @@ def flow_source(patient, hyperaemia_fraction):
         if patient.get("lvm_g") is None:
             remedy = "give patient.territory: left, lad, lcx, rca or a share of the heart's flow"
             raise InputError("a cardiac output is shared out by territory", "patient.territory", territory, remedy)
-        return _source_entry(
-            flow_of_mass(patient["lvm_g"], hyperaemia_fraction), territory, None, "0.71 M^0.75, all of it here"
-        )
+        flow = flow_of_mass(patient["lvm_g"], hyperaemia_fraction)
+        law = f"0.71 M^0.75 / {hyperaemia_fraction:g} mL/min, all of it into this tree"
+        return _source_entry(flow, territory, None, law)
     return _source_entry(
         territory_share(territory) * flow_of_heart(patient), territory, territory_share(territory), _flow_basis(patient)
     )

@@ -19,7 +19,7 @@ import pathlib
 import resource
 import sys
 
-from common.errors import InputError, guarded
+from common.errors import ComputationError, InputError, guarded
 from common.files import write_json
 from vci.benchmarks.programs import culotte_scene, refusal_reason, run_program
 from vci.benchmarks.scenes import Tube, write_scene
@@ -38,6 +38,7 @@ def calcium_wall(stiffness_ratio):
 MEAN_LIMIT_MM = 0.05 * 0.0125  # largest mean penetration of a good run: a twentieth of contact_distance_mm
 WORST_LIMIT_MM = 0.05  # largest penetration of any vertex in a good run
 MAXIMAL_STEPS = 500  # limit of steps in a stage; cases that balance need about a third of it
+NO_BALANCE = 3  # exit code of vci deploy if a stage does not reach force balance
 OWN_FIRST_STEP = "first step x1000"  # the case that is about the first step
 ECCENTRIC = {"eccentricity": 0.8, "calcium_deg": 90}
 CASES = {
@@ -77,7 +78,7 @@ def result_row(case, program, scene):
     code, messages, cpu = run_program([program, "deploy", scene, "--out", scene.parent / "out"])
     row = {"case": case, "cpu_seconds": round(cpu, 2)}
     if code:
-        outcome = {2: "input refused", 3: "refused"}.get(code, f"failed with exit code {code}")
+        outcome = {2: "input refused", NO_BALANCE: "refused"}.get(code, f"failed with exit code {code}")
         return row | {"outcome": outcome, "reason": refusal_reason(messages)}
     result = json.loads((scene.parent / "out" / "deployment.json").read_text())
     stages = result["stages"]
@@ -101,7 +102,9 @@ def first_step_row(case, program, scene, first_steps):
     results = []
     for first_step in first_steps:
         write_json(variant, settings | {"numerics": settings.get("numerics", {}) | {"initial_step_ms": first_step}})
-        code, _, _ = run_program([program, "deploy", variant, "--out", scene.parent / "first_step"])
+        code, messages, _ = run_program([program, "deploy", variant, "--out", scene.parent / "first_step"])
+        if code not in (0, NO_BALANCE):
+            raise ComputationError("a hard case was not computed", str(variant), f"exit code {code}", messages.strip())
         if not code:
             results.append(json.loads((scene.parent / "first_step" / "deployment.json").read_text()))
     row = {"case": case, "runs": len(first_steps), "refused": len(first_steps) - len(results)}

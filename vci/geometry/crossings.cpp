@@ -8,25 +8,43 @@
 
 namespace vci {
 
-Crossings self_crossings(const Triangles& triangles, const Vectors& x) {
-  using Model = fcl::BVHModel<fcl::OBBRSS<double>>;
-  Model model;
-  model.beginModel(static_cast<int>(triangles.size()), static_cast<int>(x.size()));
-  for (const Triangle& t : triangles)
+namespace {
+
+using Model = fcl::BVHModel<fcl::OBBRSS<double>>;
+
+template <class TriangleAt>
+void build(Model& model, std::size_t count, const TriangleAt& triangle_at, const Vectors& x) {
+  model.beginModel(static_cast<int>(count), static_cast<int>(3 * count));
+  for (std::size_t k = 0; k < count; ++k) {
+    const Triangle& t = triangle_at(k);
     model.addTriangle(x[t[0]], x[t[1]], x[t[2]]);
+  }
   model.endModel();
+}
+
+} // namespace
+
+Crossings self_crossings(const Triangles& triangles, const std::vector<int>& some, const Vectors& x) {
+  Crossings found;
+  if (some.empty())
+    return found;
+  Model chosen, all;
+  build(
+      chosen, some.size(), [&](std::size_t k) -> const Triangle& { return triangles[some[k]]; }, x);
+  build(
+      all, triangles.size(), [&](std::size_t k) -> const Triangle& { return triangles[k]; }, x);
   fcl::CollisionRequest<double> request(std::numeric_limits<std::size_t>::max());
   fcl::CollisionResult<double> result;
   const fcl::Transform3d here = fcl::Transform3d::Identity();
-  fcl::collide(&model, here, &model, here, request, result);
-  Crossings found;
+  fcl::collide(&chosen, here, &all, here, request, result);
   int first = std::numeric_limits<int>::max();
   for (std::size_t k = 0; k < result.numContacts(); ++k) {
-    const auto& contact = result.getContact(k);
-    const int a = static_cast<int>(contact.b1), b = static_cast<int>(contact.b2);
+    const int a = some[result.getContact(k).b1], b = static_cast<int>(result.getContact(k).b2);
     const Triangle &s = triangles[a], &t = triangles[b];
-    if (a >= b || std::find_first_of(s.begin(), s.end(), t.begin(), t.end()) != s.end())
-      continue; // each pair is found twice, and triangles that share a vertex touch there
+    if (std::find_first_of(s.begin(), s.end(), t.begin(), t.end()) != s.end())
+      continue; // triangles that share a vertex touch there
+    if (b < a && std::binary_search(some.begin(), some.end(), b))
+      continue; // found from the other triangle, too
     ++found.pairs;
     if (a < first) {
       first = a;

@@ -9,8 +9,9 @@ struct Crossings {
   Vec3 first = Vec3::Zero(); ///< a vertex of the first pair, mm
 };
 
-/// The crossings of a surface with itself.
+/// The crossings of some of a surface's triangles with any of its triangles.
 /// @param triangles indices of points x (mm)
-Crossings self_crossings(const Triangles& triangles, const Vectors& x);
+/// @param some numbers of the triangles to look at, ascending
+Crossings self_crossings(const Triangles& triangles, const std::vector<int>& some, const Vectors& x);
 
 } // namespace vci

@@ -82,7 +82,8 @@ public:
   Run(Scene scene, Lumen lumen, std::map<std::string, Path> paths, Observer observer)
       : state(std::move(scene), std::move(lumen), std::move(paths)), observer_(std::move(observer)) {
     const std::size_t moving = state.wall.lumen_vertex.size(), all = state.lumen.points.size();
-    switched_off_ = switched_off_parts(state.scene, all - moving, all);
+    switched_off_ =
+        switched_off_parts(state.scene, all - moving, all, state.paths.size() > 1 && state.lumen.branch.empty());
     for (const std::string& line : switched_off_)
       log("switched off: " + line);
     for (const std::string& warning : warnings_of_plan(state.scene))

@@ -6,16 +6,21 @@
 
 namespace vci {
 
-std::vector<std::string> switched_off_parts(const Scene& scene, std::size_t held, std::size_t vertices) {
+std::vector<std::string> switched_off_parts(const Scene& scene, std::size_t held, std::size_t vertices,
+                                            bool branches_unknown) {
   std::ostringstream region;
   region << "wall further than " << scene.numerics.region_margin << " mm from every device: " << held << " of "
          << vertices << " vertices stay where they are";
   const bool whole = scene.numerics.integrator.textbook, folded = has_folded_balloon(scene);
-  return {whole ? "nothing of the wall: textbook integration takes the whole vessel" : region.str(),
-          folded ? "folding of balloons whose entries do not ask for it"
-                 : "folding: balloons start as small tubes that unfold softly",
-          folded ? "self-contact of all but folded balloons" : "self-contact of the wall and of the devices",
-          "mean blood pressure during occlusion: kept as prestress"};
+  std::vector<std::string> parts{
+      whole ? "nothing of the wall: textbook integration takes the whole vessel" : region.str(),
+      folded ? "folding of balloons whose entries do not ask for it"
+             : "folding: balloons start as small tubes that unfold softly",
+      folded ? "self-contact of all but folded balloons" : "self-contact of the wall and of the devices",
+      "mean blood pressure during occlusion: kept as prestress"};
+  if (branches_unknown)
+    parts.push_back("tissue between branches: the lumen has no branch_id, so their walls may cross");
+  return parts;
 }
 
 std::vector<std::string> warnings_of_plan(const Scene& scene) {

@@ -10,7 +10,9 @@ namespace vci {
 /// Texts that name the parts of the model that a run leaves out.
 /// @param held number of the lumen's vertices that are held in place
 /// @param vertices number of all the lumen's vertices
-std::vector<std::string> switched_off_parts(const Scene& scene, std::size_t held, std::size_t vertices);
+/// @param branches_unknown whether the vessel has branches, but its triangles do not name theirs
+std::vector<std::string> switched_off_parts(const Scene& scene, std::size_t held, std::size_t vertices,
+                                            bool branches_unknown);
 
 /// A warning for each inflation above the balloon's rated burst pressure.
 std::vector<std::string> warnings_of_plan(const Scene& scene);

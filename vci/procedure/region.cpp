@@ -35,21 +35,21 @@ std::vector<std::pair<std::string, double>> nearest_branches(const Vectors& poin
 std::vector<char> region_of_interest(const Lumen& lumen, const Scene& scene, const std::map<std::string, Path>& paths) {
   std::vector<char> may_move(lumen.points.size(), 0);
   const auto nearest = nearest_branches(lumen.points, paths);
+  const double margin = scene.numerics.region_margin;
   for (const Step& step : scene.procedure)
     for (const Placement& p : step.devices) {
-      const double half =
-          0.5 * scene.opened_length(p.device) + scene.balloon(p.device).shoulder + scene.numerics.region_margin;
-      const Path& path = paths.at(p.branch);
+      const BalloonSpec& balloon = scene.balloon(p.device);
+      const double half = 0.5 * scene.opened_length(p.device) + balloon.shoulder;
+      const double reach = 0.5 * balloon.nominal_diameter + margin; // from the axis
       for (std::size_t v = 0; v < lumen.points.size(); ++v)
-        if (nearest[v].first == p.branch && std::abs(nearest[v].second - p.centre_s) < half)
+        if (nearest[v].first == p.branch && std::abs(nearest[v].second - p.centre_s) < half + margin)
           may_move[v] = 1;
+      // A device also moves the walls of other branches beside it: their mouths, and what lies behind a carina.
       for (double s = p.centre_s - half; s <= p.centre_s + half; s += 0.5) {
-        const Vec3 centre = path.at(s);
-        for (std::size_t v = 0; v < lumen.points.size(); ++v) {
-          const double reach = lumen.radius[v] + 1.0; // mm: reaches the ostia of side branches too
-          if ((lumen.points[v] - centre).squaredNorm() < reach * reach)
+        const Vec3 centre = paths.at(p.branch).at(s);
+        for (std::size_t v = 0; v < lumen.points.size(); ++v)
+          if (nearest[v].first != p.branch && (lumen.points[v] - centre).norm() < reach)
             may_move[v] = 1;
-        }
       }
     }
   return may_move;

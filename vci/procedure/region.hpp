@@ -6,7 +6,8 @@
 
 namespace vci {
 
-/// Flags the lumen vertices that may move: those within the scene's region margin (mm) of a device along its branch.
+/// Flags the lumen vertices that may move: those of a device's branch up to the scene's region margin (mm) beyond its
+/// ends, and those of other branches within this margin of the opened device.
 std::vector<char> region_of_interest(const Lumen& lumen, const Scene& scene, const std::map<std::string, Path>& paths);
 
 } // namespace vci

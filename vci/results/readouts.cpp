@@ -106,6 +106,17 @@ Segment reported_segment(const Scene& scene) {
   return span_of(scene, scene.procedure.front().devices.front());
 }
 
+/// Numbers of the triangles of which a vertex has moved. Only their crossings are of the procedure's making.
+std::vector<int> moved_triangles(const Lumen& lumen, const Vectors& points) {
+  std::vector<int> moved;
+  for (std::size_t k = 0; k < lumen.triangles.size(); ++k) {
+    const Triangle& t = lumen.triangles[k];
+    if (std::any_of(t.begin(), t.end(), [&](int v) { return points[v] != lumen.points[v]; }))
+      moved.push_back(static_cast<int>(k));
+  }
+  return moved;
+}
+
 std::string crossing_warning(const Crossings& found) {
   std::ostringstream text;
   text << "the wall is folded: " << found.pairs << " pairs of its triangles cross, first at (" << found.first.x()
@@ -208,7 +219,8 @@ json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string
   out["maximal_malapposition_mm"] = gap;
   for (const std::string& warning : warnings_of_outcome(out["stents"], gap))
     out["warnings"].push_back(warning);
-  if (const Crossings found = self_crossings(lumen.triangles, d.points); found.pairs > 0)
+  if (const Crossings found = self_crossings(lumen.triangles, moved_triangles(lumen, d.points), d.points);
+      found.pairs > 0)
     out["warnings"].push_back(crossing_warning(found));
   return out;
 }

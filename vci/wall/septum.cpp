@@ -148,7 +148,7 @@ TriangleBehind triangle_behind(int vertex, const Vec3& normal, const std::set<in
         n.weights[0] * points[t[0]] + n.weights[1] * points[t[1]] + n.weights[2] * points[t[2]] - points[vertex];
     const Vec3 other = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).normalized();
     const double height = -other.dot(towards), least = least_cosine * n.distance;
-    if (other.dot(normal) > 0 || height < least || normal.dot(towards) < least)
+    if (other.dot(normal) > 0 || height <= least || normal.dot(towards) <= least)
       continue;
     if (n.distance < best.distance - same_distance || height > best.height)
       best = {n.triangle, n.distance, height};

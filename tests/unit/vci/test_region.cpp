@@ -31,4 +31,33 @@ TEST(Region, TheFarWallsOfAFlatLumenMoveLikeTheNearOnes) {
   }
 }
 
+TEST(Region, WallsOfOtherBranchesBesideADeviceMoveToo) {
+  Vessel main, side;
+  main.length = 60, main.rows = 144, main.narrowing = 0;
+  side = main;
+  side.radius = 0.5;
+  Lumen lumen = main.lumen();
+  const int first = static_cast<int>(lumen.points.size());
+  const Lumen beside = side.lumen(); // 1 mm of tissue between the two
+  for (std::size_t v = 0; v < beside.points.size(); ++v) {
+    lumen.points.push_back(beside.points[v] + Vec3(3, 0, 0));
+    lumen.radius.push_back(0.5);
+  }
+  for (const Triangle& t : beside.triangles)
+    lumen.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  Scene scene;
+  scene.balloons["balloon"] = {3, 8, 1, 0.8, 14, {2, 14}, {2.5, 2.9}};
+  scene.procedure = {{"one", Action::predilatation, {{"balloon", "main", 30, 11}}}};
+  const Path axis = main.axis(), axis_beside({Vec3(3, 0, 0), Vec3(3, 0, 30), Vec3(3, 0, 60)}, 0);
+  const std::vector<char> free = region_of_interest(lumen, scene, {{"main", axis}, {"side1", axis_beside}});
+  for (std::size_t v = first; v < free.size(); ++v) {
+    const double away = std::abs(lumen.points[v][2] - 30);
+    if (away < 5) {
+      EXPECT_TRUE(free[v]) << "beside the balloon: " << lumen.points[v].transpose();
+    } else if (away > 5 + 1.5 + scene.numerics.region_margin) {
+      EXPECT_FALSE(free[v]) << lumen.points[v].transpose();
+    }
+  }
+}
+
 } // namespace

@@ -134,6 +134,11 @@ TEST(Septum, DistantBranchesHaveNone) {
   EXPECT_TRUE(Plates(-1).elements().empty()) << "a lumen between two walls";
 }
 
+TEST(Septum, BranchesThatTouchHaveNone) {
+  EXPECT_TRUE(Plates(0).elements().empty()) << "an element without height has no inverse";
+  EXPECT_FALSE(Plates(0.01).elements().empty());
+}
+
 TEST(Septum, ASingleBranchHasNone) {
   Plates plates(1.1); // may be the two shoulders of one steep lesion
   std::fill(plates.branch.begin(), plates.branch.end(), 7);

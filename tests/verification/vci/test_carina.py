@@ -1,4 +1,4 @@
-"""A stent wider than the vessel across the mouth of a side branch: the carina moves, but it does not fold."""
+"""A balloon wider than the vessel across the mouth of a side branch: the carina moves, but it does not fold."""
 
 import json
 import subprocess
@@ -9,7 +9,7 @@ pytestmark = pytest.mark.slow
 
 CASE = """
 kind: synthetic
-description: A tight lesion at the mouth of a side branch, opened with a stent wider than the vessel.
+description: A tight lesion at the mouth of a side branch, opened wider than the vessel.
 patient: {lvm_g: 115, sbp_mmhg: 132, dbp_mmhg: 88}
 vessel:
   seed: 7
@@ -25,6 +25,9 @@ plan:
   - action: stent
     devices:
       - {device: des, diameter_mm: 4.0, length_mm: 12, branch: main, centre_s_mm: 20, pressure_bar: 12}
+  - action: postdilatation
+    devices:
+      - {device: non_compliant, diameter_mm: 5.0, length_mm: 12, branch: main, centre_s_mm: 20, pressure_bar: 12}
 """
 
 
@@ -50,10 +53,10 @@ def deployment(binary, run_module, repo_root, tmp_path_factory):
 
 
 def test_the_carina_does_not_fold(deployment):
-    """Without the tissue between the branches, 68 pairs of triangles cross each other here."""
+    """Without the tissue between the branches, 59 pairs of triangles cross each other here."""
     assert not [w for w in deployment["warnings"] if "folded" in w]
 
 
-def test_the_septum_yields_to_the_stent(deployment):
-    """The side branch's wall gives way, so the stent opens as far as without the septum: 0.860 of its nominal area."""
-    assert deployment["expansion_index"] == pytest.approx(0.860, abs=0.01)
+def test_the_septum_yields_to_the_balloon(deployment):
+    """The stent opens to 0.87 of its nominal area. Without the tissue between the branches it opens to 0.915."""
+    assert deployment["expansion_index"] == pytest.approx(0.87, abs=0.02)

@@ -230,18 +230,18 @@ def test_areas_do_not_depend_on_the_first_step(deploy):
 def test_areas_converge_with_the_step(deploy):
     """Against steps of 0.03 mm: the error falls in proportion to the step, below 1 % at the default of 0.12.
 
-    Half as much again, 0.18, is as good. Beyond 0.2, two fifths of an edge, the areas scatter by up to 2.5 %, with the
-    limit of compression in a step or without it.
+    A third as much again, 0.16, is as good. Above that the areas scatter: the mean by 0.4 to 0.8 % at 0.17 to 0.2, and
+    by up to 2.5 % beyond 0.2, two fifths of an edge.
     """
     area = {
         step: areas(deploy(stenosis=0.6, eccentricity=0.8, numerics={"displacement_per_step_mm": step}))
-        for step in (0.03, 0.06, 0.09, 0.12, 0.18)
+        for step in (0.03, 0.06, 0.09, 0.12, 0.16)
     }
     for step in (0.06, 0.09, 0.12):
         assert area[step].mean() == pytest.approx(area[0.03].mean(), rel=0.02 * step)
         assert area[step].min() == pytest.approx(area[0.03].min(), rel=0.08 * step)
-    assert area[0.18].mean() == pytest.approx(area[0.03].mean(), rel=0.005)
-    assert area[0.18].min() == pytest.approx(area[0.03].min(), rel=0.01)
+    assert area[0.16].mean() == pytest.approx(area[0.03].mean(), rel=0.005)
+    assert area[0.16].min() == pytest.approx(area[0.03].min(), rel=0.01)
 
 
 def test_same_input_same_bits(deploy):
