@@ -11,7 +11,9 @@ namespace vci {
 
 namespace {
 
-constexpr double apposition_reach = 2.0; // mm: a stent further from a wall vertex lies against another part of the wall
+// mm: a stent further from a wall vertex lies against another part of the wall. A 2.25 mm stent that touches one side
+// of a left main of 6 mm is 3.75 mm off the other side.
+constexpr double apposition_reach = 5.0;
 // mm: a vertex may project along the normals onto a triangle that is farther than the nearest one by up to this length
 constexpr double projection_slack = 0.1;
 constexpr double no_gap = 1e300;
@@ -43,7 +45,7 @@ std::optional<double> gap_to_stent(const System& system, const Body& stent, cons
 
 } // namespace
 
-std::vector<double> malapposition(const System& system, const std::vector<int>& stents) {
+std::vector<double> malapposition(const System& system, const std::vector<StentAtWall>& stents) {
   const Body& wall = system.body(0);
   Vectors unit_normals = area_vectors(system);
   for (Vec3& n : unit_normals)
@@ -51,10 +53,12 @@ std::vector<double> malapposition(const System& system, const std::vector<int>& 
   std::vector<double> gaps(wall.count, no_gap);
   std::vector<NearTriangle> found;
   std::vector<int> candidates;
-  for (int b : stents) {
-    const Body& body = system.body(b);
+  for (const StentAtWall& stent : stents) {
+    const Body& body = system.body(stent.body);
     const BroadPhase boxes(body.triangles, system.x);
     for (int i = 0; i < wall.count; ++i) {
+      if (!stent.wall.empty() && !stent.wall[i])
+        continue;
       boxes.find_near(system.x[i], body.triangles, system.x, apposition_reach, projection_slack, -1, found);
       candidates.clear();
       for (const NearTriangle& f : found)

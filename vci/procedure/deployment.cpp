@@ -4,6 +4,7 @@
 #include "vci/procedure/device_setup.hpp"
 #include "vci/procedure/diagnostics.hpp"
 #include "vci/procedure/procedure.hpp"
+#include "vci/procedure/region.hpp"
 #include "vci/procedure/state_checks.hpp"
 #include "vci/procedure/unfolding.hpp"
 #include "vci/solver/convergence_error.hpp"
@@ -57,10 +58,13 @@ IntegratorSettings prepare_stage(RunState& run, const Step& step, const Stage& s
 }
 
 std::vector<double> malapposition_on_lumen(const RunState& run) {
-  std::vector<int> bodies;
+  Vectors wall; // before the procedure, as the axes are
+  for (const int v : run.wall.lumen_vertex)
+    wall.push_back(run.lumen.points[v]);
+  std::vector<StentAtWall> stents;
   for (const StentHistory& h : run.stents)
-    bodies.push_back(h.stent.body);
-  const std::vector<double> gaps = malapposition(run.system, bodies);
+    stents.push_back({h.stent.body, points_of_branch(wall, run.paths, h.branch)});
+  const std::vector<double> gaps = malapposition(run.system, stents);
   std::vector<double> all(run.lumen.points.size(), 0.0);
   for (std::size_t i = 0; i < gaps.size(); ++i)
     all[run.wall.lumen_vertex[i]] = gaps[i];
