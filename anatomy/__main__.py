@@ -5,6 +5,8 @@ import pathlib
 
 from common.errors import InputError, guarded
 
+from .contours import reading as contours
+
 POINT = {"type": float, "nargs": 3, "metavar": ("X", "Y", "Z")}
 POINTS = POINT | {"action": "append", "default": []}  # for options that may be given several times, once for each point
 THICKEST_WALL_MM = 1.0  # largest value of --healthy-wall, as in config/schemas: about three times a normal intima
@@ -64,8 +66,9 @@ def _parser():
 def _add_contours(commands):
     command = commands.add_parser("contours", help="lumen and plaque of an intravascular pull-back's contour tables")
     command.add_argument("lumen", type=pathlib.Path, help="table of the lumen's outlines: frame, x, y, z")
-    for name in ("outer-wall", "calcium", "lipid", "branches", "landmarks"):
-        command.add_argument(f"--{name}", type=pathlib.Path, help=f"table of the {name.replace('-', ' ')}")
+    for name in contours.TABLES[1:]:
+        option = "--" + name.replace("_", "-")
+        command.add_argument(option, type=pathlib.Path, help=f"table of the {name.replace('_', ' ')}")
     command.add_argument("--units", choices=("mm", "cm", "m"), default="mm", help="units of the tables")
     command.add_argument("--z-from", choices=("distal", "proximal"), default="distal", help="end of the smallest z")
     command.add_argument(
@@ -125,8 +128,7 @@ def _ct(options):
 def _contours(options):
     from .contours import run
 
-    tables = ("lumen", "outer_wall", "calcium", "lipid", "branches", "landmarks")
-    files = {name: getattr(options, name) for name in tables}
+    files = {name: getattr(options, name) for name in contours.TABLES}
     healthy = options.healthy_wall
     if healthy != "auto":
         try:

@@ -5,12 +5,12 @@ import os
 import pathlib
 import re
 
+from anatomy.contours import reading as contours
 from common.documents import config, schema, yaml_reader
 from common.errors import InputError
 from data_synthetic import patient
 from flow.settings import check_meshes, check_switches
 
-CONTOUR_TABLES = ("lumen", "outer_wall", "calcium", "lipid", "branches", "landmarks")
 COARSE_MESHES = ("mesh_coarsest.msh", "mesh_coarse.msh")  # in the order of the flow's setting `coarse_rings`
 CASE_NAME = "[a-z][a-z0-9_]*"
 
@@ -18,7 +18,8 @@ CASE_NAME = "[a-z][a-z0-9_]*"
 class Configuration:
     """Study, device families and cases of a folder like config/; raises InputError for anything that is not allowed.
 
-    folder: holds study.yaml, devices/ and cases/. data_folder: holds the files that a case names data/...
+    folder: holds study.yaml, devices/ and cases/. data_folder: takes the place of data/ at the
+    beginning of a case's paths.
     """
 
     def __init__(self, folder="config", data_folder=None):
@@ -98,7 +99,7 @@ class Configuration:
         given = self.cases[name].get(key, {}).get("contours", {})
         found = {
             table: self._data_file(name, "contour table", f"{key}.contours.{table}", given[table])
-            for table in CONTOUR_TABLES
+            for table in contours.TABLES
             if table in given
         }
         if "centreline" in given:

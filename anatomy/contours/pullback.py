@@ -7,7 +7,7 @@ import numpy as np
 from common.errors import InputError
 
 from . import rings
-from .reading import tables
+from .reading import REGION_TABLES, tables
 
 SAME_Z_MM = 0.01  # z of one frame may differ this much between two tables, which may be rounded to two decimals
 # Frames nearer than this (mm) count as two at one place. In a pull-back of 0.5 mm/s with 60 frames a second they are
@@ -75,7 +75,7 @@ def read(files, units="mm", z_from="distal", z_range_mm=None, drop_frames=()):
         walls = tables.read_outlines(files["outer_wall"], units, "outer_wall", is_used)
         for name, outline in _match_frames(walls, files, "outer_wall", frames, warnings):
             frames[name].outer_wall = outline
-    for kind in ("calcium", "lipid"):
+    for kind in REGION_TABLES:
         if files.get(kind):
             regions = tables.read_regions(files[kind], units, kind, is_used)
             for name, several in _match_frames(regions, files, kind, frames, warnings):

@@ -7,7 +7,7 @@ import time
 import numpy as np
 from scipy.integrate import trapezoid
 
-from common import vtp
+from common import plaque_types, vtp
 from common.documents import config
 from common.errors import InputError
 from common.files import write_json
@@ -180,7 +180,7 @@ def _material_document(settings):
 
     Whole lesions were measured at that stretch (see `materials`).
     """
-    names = dict(zip(("fibrous", "lipid", "calcified"), materials.BY_PLAQUE_TYPE.values()))
+    names = {plaque_types.NAMES[kind]: material for kind, material in materials.BY_PLAQUE_TYPE.items()}
     found = {key: {**vars(p), "biaxial_stress_mpa": materials.biaxial_stress(1.15, p)} for key, p in names.items()}
     c10, c20 = settings["wall_c10_mpa"], settings["wall_c20_mpa"]
     stress = materials.biaxial_stress(1.15, c10_mpa=c10, c20_mpa=c20)

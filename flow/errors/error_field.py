@@ -45,6 +45,7 @@ class ErrorField:
     def __init__(self, solved, loads):
         problem, space = solved.problem, solved.space
         self.boundaries, self.sampler = solved.boundaries, solved.sampler
+        self.slopes = self.boundaries.pressure_slopes(self.boundaries.outflows(problem.state.x.array))
         self.pressure_points, self.mass = space.Q.tabulate_dof_coordinates(), _mass_matrix(space)
         pressure, outflows = [], []
         for first in range(0, loads.shape[1], LOADS_AT_ONCE):
@@ -60,7 +61,7 @@ class ErrorField:
         """
         chosen = [self.boundaries.outlet_names.index(name) for name in names]
         means = self._averaging_matrix(points_mm, radii_mm)
-        of_outlets = self.boundaries.resistance[chosen, None] * self.outflows[chosen]
+        of_outlets = self.slopes[chosen, None] * self.outflows[chosen]
         return np.concatenate([of_outlets, means @ self.pressure]) / self.boundaries.map_pa
 
     def _averaging_matrix(self, points_mm, radii_mm):

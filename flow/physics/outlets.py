@@ -73,3 +73,7 @@ class Boundaries:
     def pressures(self, outflows):
         """Outlet pressures P_i (o,) in Pa at outflows (o,) in m3/s."""
         return self.venous_pa + self.resistance * outflows
+
+    def pressure_slopes(self, outflows):
+        """dP_i/dQ_i (o,) in Pa s/m3 at outflows (o,) in m3/s, which Newton's method and the error estimate need."""
+        return np.broadcast_to(self.resistance, np.shape(outflows))

@@ -136,7 +136,8 @@ class FlowProblem:
         profile, free = self.boundaries.profile, self.space.free_dofs
         forward, backward = self.matrix.multiply(profile), self.matrix.multiply(profile, transposed=True)
         outlets = self.boundaries.flux[:, free]
-        corner = np.diag([profile @ forward, *(-1.0 / self.boundaries.resistance)])
+        slopes = self.boundaries.pressure_slopes(self.boundaries.outflows(self.state.x.array))
+        corner = np.diag([profile @ forward, *(-1.0 / slopes)])
         columns, rows = np.vstack([forward[free], outlets]).T, np.vstack([backward[free], outlets])
         self.bordered = linear.BorderedSystem(self.solver, columns, rows, corner)
         self.linearised_as = (form is self.forms.tangent, self.artificial_viscosity)

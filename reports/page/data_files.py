@@ -56,7 +56,7 @@ def write_case_data(folder, files, context):
     for name, table in tables.items():
         folder.write_data(f"{files.case}_{name}.csv", table)
     if context["plan_picture"]:
-        folder.copy_data(files.folder / "vci" / "plan.json", "workflow scene", f"{files.case}_plan.json")
+        folder.copy_data(files.folder / "vci" / "plan.json", "anatomy plan", f"{files.case}_plan.json")
 
 
 def state_rows(metrics):

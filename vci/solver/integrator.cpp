@@ -308,4 +308,15 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
   return Relaxation(system, interactions, settings).run(balance);
 }
 
+RelaxResult measure_balance(System& system, Interactions& interactions, Balance* balance) {
+  Forces forces;
+  assemble(system, interactions, forces);
+  RelaxResult result;
+  result.residual = forces.residual;
+  record_contact(forces, result);
+  if (balance)
+    *balance = balance_of(forces, system.fixed);
+  return result;
+}
+
 } // namespace vci

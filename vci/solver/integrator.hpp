@@ -19,7 +19,7 @@ struct IntegratorSettings {
   double stiffness_damping = 0.0; ///< b, ms: damping matrix over stiffness matrix
   bool textbook = false;          ///< use the scheme of textbook.hpp, with the three settings below
   double fixed_step = 0.01;       ///< ms
-  double velocity_kept = 0.9;     ///< share of the velocity that remains after a step
+  double velocity_kept = 0.9;     ///< share of the velocity that remains after a step; no setting of scenes
   double velocity_stop = 0.01;    ///< mm/ms: root mean square over the free vertices at which a stage ends
 };
 
@@ -73,5 +73,9 @@ struct RelaxResult {
 /// @param balance if given, receives the forces at balance
 RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& settings,
                   Balance* balance = nullptr);
+
+/// The residual and the contacts of the current state. Takes no step and stiffens no contact.
+/// @param balance if given, receives the forces, whether they balance or not
+RelaxResult measure_balance(System& system, Interactions& interactions, Balance* balance = nullptr);
 
 } // namespace vci

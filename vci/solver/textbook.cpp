@@ -1,7 +1,6 @@
 #include "vci/solver/textbook.hpp"
 
 #include <cmath>
-#include <limits>
 
 namespace vci {
 
@@ -68,9 +67,7 @@ RelaxResult relax_textbook(System& system, Interactions& interactions, const Int
       break;
     at_rest = velocity <= s.velocity_stop;
   }
-  IntegratorSettings measure_settings = s;
-  measure_settings.residual_tolerance = std::numeric_limits<double>::max();
-  RelaxResult result = relax(system, interactions, measure_settings, balance);
+  RelaxResult result = measure_balance(system, interactions, balance);
   result.converged = at_rest;
   result.steps = steps;
   result.cg_iterations = iterations;

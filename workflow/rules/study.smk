@@ -241,8 +241,11 @@ rule timings:
     message:
         "table of timings"
     input:
-        # When a case has its metrics, every step has written its seconds to a Snakemake benchmark file.
+        # When a case has these files, every step has written its seconds to a Snakemake benchmark file.
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
+        half_maximum=expand("results/cases/{case}/half_maximum/metrics.json", case=HALF_MAXIMUM_CASES),
+        plans=expand("results/cases/{case}/plans/ranking.csv", case=CASES),
+        intervals=expand("results/cases/{case}/sensitivity/flow_intervals.csv", case=CASES),
         code=command_code("reports", "run_timings"),
     output:
         "results/study/timings.csv",

@@ -8,14 +8,13 @@ import numpy as np
 from common.errors import InputError
 from common.files import replacing
 
-from . import columns, outlines
+from . import REGION_TABLES, columns, outlines
 
 MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001}
 PLANE_TOLERANCE_MM = (
     0.01  # largest range of z within a frame: z may have been rounded to two decimals, or rotated and rotated back
 )
 COLUMNS_REMEDY = "four numbers: frame, x, y, z; decimal points; a fifth, the outline's number, in all lines or in none"
-RING_TABLES = ("calcium", "lipid")  # tables whose regions may run round nearly the whole vessel
 NUMBERING_REMEDY = "number several deposits of a frame in a fifth column, named outline if the table has names"
 
 
@@ -116,7 +115,7 @@ def read_regions(path, units, what, is_used=None):
     Outlines are separated by their number, or because each ends on the point where it began. Parameters and errors are
     those of read_outlines(), but several outlines in a frame are no error.
     """
-    return _read(path, units, what, is_used, NUMBERING_REMEDY, what in RING_TABLES)
+    return _read(path, units, what, is_used, NUMBERING_REMEDY, what in REGION_TABLES)
 
 
 def _read(path, units, what, is_used, remedy, may_be_ring):

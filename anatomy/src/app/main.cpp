@@ -36,7 +36,7 @@ std::vector<Vec3> given_points(const std::vector<double>& coordinates, const std
 void add_input(CLI::App& command, Options& options, GivenPoints& given) {
   command
       .add_option("surface", options.input,
-                  "lumen surface (.stl, .vtp, .ply, .obj) or labelled mask (.nii, .nii.gz, .nrrd, .mha, .mhd)")
+                  "lumen surface (.stl, .vtp, .ply, .obj) or labelled mask (.nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd)")
       ->required();
   command.add_option("--units", options.units, "length unit of the file: mm, cm or m")->capture_default_str();
   command

@@ -140,8 +140,9 @@ vtkSmartPointer<vtkPolyData> read_by_suffix(const std::string& path, const std::
     check_obj(path);
     return read_with<vtkOBJReader>(path);
   }
-  throw InputError("unknown surface format", path, suffix.empty() ? "no suffix" : suffix,
-                   "give a surface (.stl, .vtp, .ply, .obj) or a labelled mask (.nii, .nii.gz, .nrrd, .mha, .mhd)");
+  throw InputError(
+      "unknown surface format", path, suffix.empty() ? "no suffix" : suffix,
+      "give a surface (.stl, .vtp, .ply, .obj) or a labelled mask (.nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd)");
 }
 
 std::string figure(double value) {

@@ -192,6 +192,21 @@ std::array<double, 3> momentum_after_steps(double h, int steps, bool textbook, d
   return {linear, angular, largest};
 }
 
+TEST(Textbook, MeasuringTheBalanceStiffensNoDeepContact) {
+  std::vector<double> residuals;
+  for (const double limit : {1e-9, 1e9}) { // mm: penetration above which relax() stiffens a contact
+    FreeSystem free;
+    IntegratorSettings s;
+    s.fixed_step = 1e-3;
+    s.maximal_steps = 1;
+    s.maximal_penetration = limit;
+    const RelaxResult result = relax_textbook(free.system, free.touching, s);
+    EXPECT_GT(result.maximal_penetration, 1e-6);
+    residuals.push_back(result.residual);
+  }
+  EXPECT_EQ(residuals[0], residuals[1]);
+}
+
 TEST(Momentum, IsKeptOverStepsToTheLinearSolvesTolerance) {
   for (const auto& [textbook, damping] : {std::pair{true, 0.0}, {false, 0.0}, {false, 2.5}}) {
     const auto [linear, angular, largest] = momentum_after_steps(0.03, 6, textbook, damping);

@@ -4,6 +4,7 @@ import json
 import subprocess
 
 import pytest
+import yaml
 
 from vci.benchmarks import scenes
 
@@ -164,3 +165,39 @@ def test_a_number_of_steps_that_is_none(binary, scene, number):
     result = subprocess.run([*command, f"--frames-every={number}"], text=True, capture_output=True, timeout=100)
     assert result.returncode == 2 and "--frames-every" in result.stderr and not out.exists()
     assert max(len(line) for line in result.stderr.splitlines()) < 150, result.stderr
+
+
+def catalogue_limits(repo_root, kind):
+    """{key: [least, largest]} of the numbers in the schema of a device family that a scene's device has, too."""
+    schema = yaml.safe_load((repo_root / f"config/schemas/{kind}.schema.yaml").read_text())["properties"]
+    numbers = schema | (schema["designs"]["items"]["properties"] if kind == "stent" else {})
+    return {key: [entry["minimum"], entry["maximum"]] for key, entry in numbers.items() if "maximum" in entry}
+
+
+@pytest.mark.parametrize("kind, least_keys", [("balloon", 4), ("stent", 9)])
+def test_the_engine_takes_what_the_catalogue_takes(binary, scene, repo_root, kind, least_keys):
+    """The limits of each number in a device family are within the engine's, so no plan is refused after the anatomy."""
+    document, _ = scene
+    entry = next(entry for entry in document["devices"].values() if entry["kind"] == kind)
+    limits = catalogue_limits(repo_root, kind)
+    limits.pop("up_to_diameter_mm", None)  # chooses the design, and is in no scene
+    if kind == "stent":
+        limits["maximal_diameter_mm"][0] = entry["nominal_diameter_mm"]  # the catalogue refuses smaller ones, too
+    assert len(limits) >= least_keys
+    for key, ends in limits.items():
+        before = entry.get(key)
+        for value in ends:
+            entry[key] = value
+            assert "out of its range" not in refusal_of_reading(binary, scene), (key, value)
+        entry[key] = 1e9
+        assert "out of its range" in refusal_of_reading(binary, scene), f"{key} is read"
+        if before is None:
+            del entry[key]
+        else:
+            entry[key] = before
+
+
+def refusal_of_reading(binary, scene):
+    """The refusal of a scene whose last step names a device that is not there, if its devices are not refused."""
+    device(scene[0], 2)["device"] = "none"
+    return refusal(binary, scene)
