@@ -91,7 +91,8 @@ void VtpArrays::seek(vtkXMLDataElement* array) {
   DataStream->SetStream(Stream);
 }
 
-/// The first `words` whole numbers, of 4 or 8 bytes each, of an array's binary data. Empty if the file has fewer.
+/// The first `words` whole numbers, of 4 or 8 bytes each, of an array's binary data. Empty if the array has fewer.
+/// Throws DamagedFile if the whole file is too short for them.
 std::vector<std::uint64_t> VtpArrays::header(vtkXMLDataElement* array, std::uint64_t words) {
   const std::size_t width = HeaderType / 8;
   if (words > file_size_ / width)

@@ -18,8 +18,8 @@ class Bifurcation:
     """Healthy radii (mm) of the main vessel just before and after a side branch, and of that branch.
 
     s_mm: arc length at which the branch leaves the main axis. start_mm, end_mm: stretch of the main axis without taper.
-    side_level_mm: length of the side branch's axis without taper, from its root. after_mm is 0 if the side branch takes
-    the whole vessel; `patient.check` refuses that.
+    side_level_mm: length of the side branch's axis without taper, from its root. after_mm is 0 if the side branch is so
+    wide that Murray's law leaves nothing for the main vessel; `patient.check` refuses that.
     """
 
     s_mm: float

@@ -41,9 +41,9 @@ def _mark_longest_sides(marked, side, length):
 
 
 def _split_edges(surface, marked, edges, side):
-    """The Surface with its marked edges split, so that a triangle becomes two, three or four.
+    """The Surface with its marked edges split, so that a triangle with one, two or three of them becomes two to four.
 
-    The longest side of a triangle with marked edges is always marked.
+    If a side of a triangle is marked, its longest side must be marked, too.
     """
     new = np.full(len(edges), -1)
     new[marked] = len(surface.points) + np.arange(marked.sum())

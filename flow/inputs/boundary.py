@@ -7,7 +7,8 @@
 
 M is the left ventricular mass in g. For outlet i, D_i is the diameter before the intervention, Q_i the flow and R_i the
 resistance. DBP and SBP are the diastolic and systolic pressures, P_v the venous pressure. The resistances are the same
-for all states of a patient.
+for all states of a patient. If the inflow was measured, Q_hyp is that inflow, and all R_i are scaled until the 1D
+network of the vessel before the intervention passes it. The exponent 2.55 and the 0.16 are settings.
 """
 
 import math

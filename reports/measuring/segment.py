@@ -9,7 +9,8 @@ from reports.inputs.polyline import Polyline, read_centreline
 from reports.inputs.reading import entry, number, read_json, read_table
 
 SECTION_NUMBERS = ("s_mm", "area_mm2", "equivalent_diameter_mm")
-# Sections flagged `ostium` are used: a side branch is cut off there. Those flagged `end` are not: they cut a cap.
+# Sections flagged `ostium` are used: the part of their area in the side branch is left out. Those flagged `end` are not
+# used: they cut a cap, or lie near one.
 USED_FLAGS = ("ok", "ostium")
 FLAGS = (*USED_FLAGS, "end")
 

@@ -63,8 +63,8 @@ struct ContactPoint {
 void add_friction(ContactPoint& point, const ContactSettings& settings);
 
 /// How two surfaces lie to each other, and which of their vertices take no part in their contact. The lists hold a flag
-/// for each vertex of a body; an empty list flags none. A vertex that projects onto a triangle of excluded vertices is
-/// not in contact, as if it projected beyond an open edge.
+/// for each vertex of a body; an empty list flags none. A vertex that projects onto a triangle whose three corners are
+/// all excluded is not in contact, as if it projected beyond an open edge.
 struct ContactScope {
   bool nested = true; ///< one surface inside the other; false: side by side, with outward normals towards each other
   std::vector<char> inner_excluded, outer_excluded;

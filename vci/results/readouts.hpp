@@ -15,8 +15,8 @@ struct OutcomeLimits {
   /// Least expansion index. OCT found a median of 0.73 with quartiles of 0.63 and 0.81 (ILUMIEN II, Maehara 2015), so
   /// less than 0.6 is worse than in three of four patients. The European consensus asks for 0.8 (Raeber 2018).
   double least_expansion = 0.6;
-  /// Largest gap (mm) between stent and wall. The European consensus on intracoronary imaging corrects acute
-  /// malapposition from 0.4 mm on (Raeber, Eur Heart J 2018; 39: 3281-3300).
+  /// Largest gap (mm) between stent and wall. The European consensus on intracoronary imaging leaves acute
+  /// malapposition below 0.4 mm uncorrected if it is shorter than 1 mm (Raeber, Eur Heart J 2018; 39: 3281-3300).
   double largest_malapposition = 0.4;
 };
 

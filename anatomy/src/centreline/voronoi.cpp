@@ -9,7 +9,7 @@ namespace {
 // Largest number of balls compared on each side of a gap. Balls lie densely, so a sample of them finds the gap.
 constexpr std::size_t most_compared_balls = 3000;
 
-// The middle (mm) of the smallest gap between balls that are connected to the inlet and balls that are connected to the
+// The point (mm) midway between the two nearest centres, of a ball connected to the inlet and of one connected to the
 // ball `end`.
 Vec3 narrowest_gap(const Balls& balls, const ShortestPaths& from_inlet, std::size_t end) {
   const ShortestPaths from_end = cheapest_paths(balls, end);

@@ -318,8 +318,8 @@ void note_step(const ProfileChoice& choice, const std::vector<DiameterSample>& m
   notes.push_back({"reference steps down where no branch leaves", 1, detail, true});
 }
 
-// Warns of another reading: a line on which twice as many sections lie as on the profile, and half of all sections. It
-// is not the reference because too many sections are wider than it.
+// Warns if another line of healthy diameters fits the vessel, too: at least twice as many sections lie on it as on the
+// chosen profile, and at least half of all sections. It was not chosen since too many sections are wider than it.
 void note_other_reading(const std::vector<LineCandidate>& lines, double healthy,
                         const std::vector<DiameterSample>& measured, const Branch& branch, const SideBranches& sides,
                         const ReferenceProfile& profile, std::vector<Repair>& notes) {
@@ -384,9 +384,10 @@ void note_skipped_branch(const SideBranches& sides, const SideBranches& branches
   notes.push_back({"reference does not step down past a branch", 1, detail, true});
 }
 
-// The profile by which most sections are healthy. Its steps past the side branches follow the flow split, unless the
-// score without these steps is better by more than 8 sections. Other readings need a quarter more healthy sections: a
-// dilatation, another exponent, a branch without its step, a step of another size.
+// The profile with the best score, which is the number of healthy sections less that of sections that are too wide. Its
+// diameter steps down past side branches as the flow splits. A profile without these steps is taken only if its score
+// is larger by more than 8. Other profiles also need a quarter more healthy sections: one with a dilatation, with
+// another exponent, without the step of one branch, or with a step of another size.
 // @param stubs arc lengths of the closed stubs on this branch, mm
 ReferenceProfile best_profile(const std::vector<DiameterSample>& measured, const Branch& branch,
                               const SideBranches& branches, const std::vector<double>& stubs,

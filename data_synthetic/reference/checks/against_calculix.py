@@ -62,7 +62,7 @@ def input_deck():
     inside = layer.depth_index < THROUGH // 2
     out = calculix.mesh_lines(layer, {"PLAQUE": inside, "WALL": ~inside})
     out += ["*ELSET, ELSET=INSIDE", *calculix.comma_lines(np.flatnonzero(layer.depth_index == 0) + 1)]
-    # One node of the outside is pinned; the opposite one stays on the ring's axis of symmetry.
+    # One node of the outside is pinned; the opposite one stays on the x axis, the line of symmetry.
     out += ["*BOUNDARY", f"{layer.outer_nodes[0]}, 1, 2", f"{layer.outer_nodes[AROUND]}, 2, 2"]
     out += calculix.plaque_lines("PLAQUE", plaque.shear_mpa, plaque.yield_mpa, plaque.hardening_mpa, BULK_MPA)
     out += calculix.wall_lines("WALL", C10_MPA, C20_MPA, BULK_MPA)

@@ -19,10 +19,10 @@ def axis_displacement(branch, wall_mm, stents, middle_s_mm, settings):
     It is computed by `beam_displacement`, with wall and surroundings as at middle_s_mm all along. settings: section
     `reference`.
 
-    The surroundings resist the wall with a pressure per displacement of 2 G / r_outer (see materials). For a cylinder
-    moved sideways this resistance varies as the cosine squared of the angle. Its integral round the cylinder is pi
-    r_outer times as large, so the support per length is 2 pi G. The exact value for a slender rod in an incompressible
-    medium is the same within a tenth, at the beam's wavelength.
+    The surroundings resist a radial displacement with the pressure 2 G / r_outer per displacement, G being their shear
+    modulus (see materials). If the cylinder moves sideways, the part of this pressure along the motion varies as the
+    cosine squared of the angle from the motion. Its integral round the cylinder is 2 pi G per length. The exact value
+    for a slender rod in an incompressible medium is the same within a tenth, at the wavelength of this supported beam.
     """
     outer = float(branch.healthy_radius(np.array(middle_s_mm))) + wall_mm
     foundation = np.pi * outer * settings["support_mpa_per_mm"]

@@ -19,12 +19,13 @@ constexpr double hinge_coefficient = 0.4, hinge_strut_thickness = 0.08;
 // A grid of fibres alone has no shear stiffness, so a weak film (0.3 N/mm, yielding at a strain of 0.05) is added. It
 // hardens more than a balloon's film.
 constexpr HenckyLaw stent_film{0.3, 0.3, 0.0, 0.05, 0.1};
-// Tension at which a crimped ring begins to open, over the ring's yield tension at the nominal diameter. Both bend the
-// struts' ends plastically. The tension is 2 M / (l cos a), with M the plastic moment of a strut, l its length and a
-// its angle to the axis. For 16 struts of 1 mm round a ring, cos a falls from 0.98 at 1 mm to 0.81 at 3 mm. M grows
-// with the flow stress of the alloy. L605 yields at 476 MPa and has a true strength of 1449 MPa at a strain of 0.4. At
-// the mean strain of 0.17 it then bears about 890 MPa. So the ratio is 0.53 times 0.83. These figures of L605 are usual
-// in finite-element studies; no paper is at hand. A bench curve of opening pressures should replace this estimate.
+// Tension at which a crimped ring begins to open, over the ring's yield tension at the nominal diameter. At both
+// diameters the struts' ends bend plastically. The tension is 2 M / (l cos a), with M the plastic moment of a strut, l
+// its length and a its angle to the axis. For 16 struts of 1 mm round a ring, cos a falls from 0.98 at 1 mm to 0.81 at
+// 3 mm. M grows with the flow stress of the alloy. L605 yields at 476 MPa and has a true strength of 1449 MPa at a
+// strain of 0.4. At an assumed mean strain of 0.17 it bears about 890 MPa. So the ratio is 0.53 times 0.83. These
+// figures of L605 are usual in finite-element studies; no paper is at hand. A bench curve of opening pressures should
+// replace this estimate.
 constexpr double crimped_tension_ratio = 0.44;
 // Strength of RingEvenness, which keeps the edges of a ring equally long. It is the tension in an edge of nominal
 // length that is e = 2.718 times as long as its neighbour, over the ring's yield tension.
