@@ -8,7 +8,7 @@ namespace vci {
 struct StentAtWall {
   int body;
   /// A flag for each vertex of the wall; empty flags all. Struts across the mouth of a side branch are no
-  /// malapposition, so the side branch's wall is not flagged.
+  /// malapposition, nor is the wall beyond the stent's ends, which may face an end across a bend.
   std::vector<char> wall = {};
 };
 

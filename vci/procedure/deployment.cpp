@@ -62,8 +62,10 @@ std::vector<double> malapposition_on_lumen(const RunState& run) {
   for (const int v : run.wall.lumen_vertex)
     wall.push_back(run.lumen.points[v]);
   std::vector<StentAtWall> stents;
-  for (const StentHistory& h : run.stents)
-    stents.push_back({h.stent.body, points_of_branch(wall, run.paths, h.branch)});
+  for (const StentHistory& h : run.stents) {
+    const double half = 0.5 * run.scene.opened_length(h.device);
+    stents.push_back({h.stent.body, points_beside(wall, run.paths, h.branch, h.centre_s - half, h.centre_s + half)});
+  }
   const std::vector<double> gaps = malapposition(run.system, stents);
   std::vector<double> all(run.lumen.points.size(), 0.0);
   for (std::size_t i = 0; i < gaps.size(); ++i)

@@ -55,17 +55,18 @@ std::vector<char> region_of_interest(const Lumen& lumen, const Scene& scene, con
   return may_move;
 }
 
-std::vector<char> points_of_branch(const Vectors& points, const std::map<std::string, Path>& paths,
-                                   const std::string& branch) {
+std::vector<char> points_beside(const Vectors& points, const std::map<std::string, Path>& paths,
+                                const std::string& branch, double from, double to) {
   constexpr double shared_axis_tolerance = 0.1; // mm: two branches may have different points on a stretch they share
   const auto nearest = nearest_branches(points, paths);
-  AxisSearch own(paths.at(branch));
-  std::vector<char> flags(points.size(), 1);
-  for (std::size_t v = 0; v < points.size(); ++v)
-    if (nearest[v].first != branch) {
-      const double distance = (points[v] - paths.at(nearest[v].first).at(nearest[v].second)).norm();
-      flags[v] = (points[v] - own.nearest(points[v]).point).norm() <= distance + shared_axis_tolerance;
-    }
+  AxisSearch axis(paths.at(branch));
+  std::vector<char> flags(points.size(), 0);
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    const AxisPoint own = axis.nearest(points[v]);
+    const auto& [name, s] = nearest[v];
+    const double least = (points[v] - paths.at(name).at(s)).norm();
+    flags[v] = own.s >= from && own.s <= to && (points[v] - own.point).norm() <= least + shared_axis_tolerance;
+  }
   return flags;
 }
 

@@ -10,9 +10,10 @@ namespace vci {
 /// ends, and those of other branches within this margin of the opened device.
 std::vector<char> region_of_interest(const Lumen& lumen, const Scene& scene, const std::map<std::string, Path>& paths);
 
-/// Flags the points (mm) to which no axis is nearer than that of a branch, by more than 0.1 mm. A side branch's axis
-/// begins with a stretch of its parent's, so the wall of this stretch belongs to both branches.
-std::vector<char> points_of_branch(const Vectors& points, const std::map<std::string, Path>& paths,
-                                   const std::string& branch);
+/// Flags the points (mm) beside a stretch of a branch, from arc length `from` to `to` (mm). No axis of another branch
+/// may be nearer to them by more than 0.1 mm. A side branch's axis begins with a stretch of its parent's, so the wall
+/// of this stretch belongs to both branches.
+std::vector<char> points_beside(const Vectors& points, const std::map<std::string, Path>& paths,
+                                const std::string& branch, double from, double to);
 
 } // namespace vci

@@ -65,8 +65,9 @@ TEST(Region, WallsOfASharedStretchBelongToBothBranches) {
   const Path side({Vec3(0, 0.05, 0), Vec3(0, 0, 20), Vec3(0, 15, 35)}, -20); // leaves the main one at 20 mm
   const Vectors wall{Vec3(1.5, 0, 10), Vec3(0, -1.5, 30), Vec3(1, 10, 30), Vec3(0, 2, 20)};
   const std::map<std::string, Path> paths{{"main", main}, {"side1", side}};
-  EXPECT_EQ(points_of_branch(wall, paths, "main"), (std::vector<char>{1, 1, 0, 0}));
-  EXPECT_EQ(points_of_branch(wall, paths, "side1"), (std::vector<char>{1, 0, 1, 1}));
+  EXPECT_EQ(points_beside(wall, paths, "main", 0, 40), (std::vector<char>{1, 1, 0, 0}));
+  EXPECT_EQ(points_beside(wall, paths, "side1", -20, 20), (std::vector<char>{1, 0, 1, 1}));
+  EXPECT_EQ(points_beside(wall, paths, "main", 20, 40), (std::vector<char>{0, 1, 0, 0}));
 }
 
 } // namespace

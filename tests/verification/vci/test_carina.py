@@ -60,3 +60,8 @@ def test_the_carina_does_not_fold(deployment):
 def test_the_septum_yields_to_the_balloon(deployment):
     """The stent opens to 0.87 of its nominal area. Without the tissue between the branches it opens to 0.915."""
     assert deployment["expansion_index"] == pytest.approx(0.87, abs=0.02)
+
+
+def test_struts_across_the_mouth_are_not_malapposed(deployment):
+    """The wall of the side branch is up to 2 mm off the stent's surface at its mouth."""
+    assert deployment["maximal_malapposition_mm"] < 0.4
