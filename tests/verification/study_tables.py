@@ -168,12 +168,14 @@ def plans(results):
 def cost(results):
     """Markdown: seconds by kind of step over all patients. Each step uses one core.
 
-    They are wall time: Snakemake samples processor time, and misses the end of a step and its finished children.
+    They are wall time: Snakemake samples processor time, and misses the end of a step and its finished children. Steps
+    whatif/<plan>/... are those of `make best-plans`, which are no part of the study.
     """
     rows = read_rows(results, "timings")
     if rows is None:
         return None
     data = pd.DataFrame([row for row in rows if row["source"] == "workflow"])
+    data = data[~data["step"].str.fullmatch("whatif/.+/.+")]
     data["kind"] = data["step"].str.split("/").str[-1]
     for column in ("seconds", "peak_memory_mib"):
         data[column] = pd.to_numeric(data[column], errors="coerce")
