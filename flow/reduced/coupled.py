@@ -138,8 +138,8 @@ class Predictor:
     def fields(self, points):
         """(velocity (m, 3) in m/s, pressure (m,) in Pa) at points (m, 3) in m.
 
-        In the branch of the axisymmetric model, from start_mm on, both are taken from that model. Elsewhere the velocity has a parabolic
-        profile, and the pressure is that of the 1D network.
+        In the branch of the axisymmetric model, from start_mm on, both are taken from that model. Elsewhere the
+        velocity has a parabolic profile, and the pressure is that of the 1D network.
         """
         velocity, pressure = np.zeros_like(points), np.zeros(len(points))
         owner = self._nearest_branches(points / M_PER_MM)
