@@ -4,7 +4,8 @@ import numpy as np
 
 from .stented import blurred_disc
 
-STEP_MM, NARROWEST_MM, WIDEST_MM = 0.05, 0.2, 3.2  # lumen radii that are tried: step, smallest, largest
+STEP_MM = 0.05  # step of the radii that are tried; all lengths below are whole numbers of it
+NARROWEST_MM, WIDEST_MM = 0.2, 3.2  # lumen radii that are tried
 GAPS_MM = (0.0, 0.15, 0.3, 0.45, 0.6, 0.8, 1.0)  # thicknesses tried for the soft wall between blood and calcium
 THICK_MM = (0.3, 0.5, 0.75, 1.0, 1.4)  # thicknesses tried for the calcium
 DENSEST_HU = 1500.0  # densest coronary calcium in CT; without a limit a denser, thinner sheet would look the same
@@ -22,13 +23,16 @@ def fit(hu, r_mm, blood, tissue, sigma_mm):
     the gap and t the calcium's thickness. The ray is fitted from the axis to the place behind its peak where it has
     fallen half-way to the tissue. R, g and t are tried on a grid. The best H for each follows from a formula.
     """
-    grid = np.arange(NARROWEST_MM, WIDEST_MM, STEP_MM), GAPS_MM, THICK_MM
-    radius, gap, thick = (x.ravel()[:, None] for x in np.meshgrid(*grid, indexing="ij"))
-    lumen = tissue + (blood - tissue) * blurred_disc(r_mm, radius, sigma_mm)
-    calcium = blurred_disc(r_mm, radius + gap + thick, sigma_mm) - blurred_disc(r_mm, radius + gap, sigma_mm)
+    lengths = np.arange(NARROWEST_MM, WIDEST_MM, STEP_MM), GAPS_MM, THICK_MM
+    steps = (np.rint(np.asarray(length) / STEP_MM).astype(int) for length in lengths)
+    radius, gap, thick = (x.ravel() for x in np.meshgrid(*steps, indexing="ij"))
+    outer = radius + gap + thick
+    # Thousands of candidates share a hundred radii, and a blurred disc is the costly part.
+    discs = blurred_disc(r_mm, STEP_MM * np.arange(outer.max() + 1)[:, None], sigma_mm)
+    lumen, calcium = tissue + (blood - tissue) * discs[radius], discs[outer] - discs[radius + gap]
     parts = [hu[k : k + RAYS_PER_BATCH] for k in range(0, len(hu), RAYS_PER_BATCH)]
     return np.concatenate(
-        [radius[_best_candidates(part, lumen, calcium, tissue), 0] for part in parts] or [np.empty(0)]
+        [STEP_MM * radius[_best_candidates(part, lumen, calcium, tissue)] for part in parts] or [np.empty(0)]
     )
 
 
