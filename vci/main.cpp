@@ -6,7 +6,7 @@
 #include "vci/bench/crush.hpp"
 #include "vci/procedure/diagnostics.hpp"
 #include "vci/procedure/radius_correction.hpp"
-#include "vci/results/coarse_lumen.hpp"
+#include "vci/results/carried_lumen.hpp"
 #include "vci/results/frames.hpp"
 #include "vci/results/output.hpp"
 #include "vci/results/readouts.hpp"
@@ -50,10 +50,15 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
   const auto paths = read_centreline(scene.centreline);
   check_placements(scene, paths);
   check_lumen(scene, lumen, paths);
-  const std::optional<CoarseLumen> coarse = load_coarse_lumen(scene, lumen);
-  if (coarse)
-    check_lumen(coarse->scene(), coarse->lumen(), paths);
-  const LumenFile& deployed = coarse ? coarse->lumen() : lumen;
+  LumenFile deployed = lumen;
+  std::optional<CarriedLumen> carried;
+  if (!scene.coarse_lumen.empty()) {
+    Scene coarse_scene = scene;
+    coarse_scene.lumen = scene.coarse_lumen; // for the messages of the check
+    deployed = read_lumen(scene.coarse_lumen);
+    carried.emplace(deployed, lumen, scene.coarse_lumen.string());
+    check_lumen(coarse_scene, deployed, paths);
+  }
   std::optional<FrameWriter> writer;
   Observer observer{{}, every_steps, [](const std::string& line) { std::cerr << line << '\n'; }};
   if (!frames.empty()) {
@@ -64,9 +69,9 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
   if (writer)
     writer->finish();
   std::vector<PointArray> arrays = force_arrays(d.forces);
-  if (coarse) {
+  if (carried) {
     write_shape(output.folder() / "coarse_lumen.vtp", d.points, deployed.triangles, {}, arrays);
-    d = coarse->carry_to_fine(std::move(d));
+    d = carried->carried(std::move(d));
     arrays.clear();
   }
   arrays.push_back(displacement_array(lumen, d.points));

@@ -1,5 +1,6 @@
 // The Python module vci._engine: the engine on numpy arrays. The package vci (vci/__init__.py) offers its names.
 #include "vci/files.hpp"
+#include "vci/results/carried_lumen.hpp"
 #include "vci/results/readouts.hpp"
 
 #include <mutex>
@@ -156,6 +157,11 @@ class Session {
       throw py::error_already_set();
   }
 
+  static std::optional<CarriedLumen> carried_by(const Vessel* coarse, const Vessel& vessel) {
+    return coarse ? std::optional<CarriedLumen>(std::in_place, coarse->lumen, vessel.lumen, "argument coarse_lumen")
+                  : std::nullopt;
+  }
+
   /// Runs a function without Python's interpreter lock, while no other thread runs one of this Session's functions.
   template <class Call> auto run_exclusively(Call call) {
     // Released before the mutex is locked: the thread that holds the mutex may need the interpreter to log.
@@ -165,9 +171,10 @@ class Session {
   }
 
 public:
-  Session(Vessel vessel, Scene scene, const Log& log)
-      : vessel_(std::move(vessel)), scene_(std::move(scene)),
-        deployment_(scene_, vessel_.lumen, vessel_.paths,
+  /// @param coarse lumen that is deployed instead of the vessel's and carries its points along; nullptr: none
+  Session(Vessel vessel, const Vessel* coarse, Scene scene, const Log& log)
+      : vessel_(std::move(vessel)), scene_(std::move(scene)), carried_(carried_by(coarse, vessel_)),
+        deployment_(scene_, coarse ? coarse->lumen : vessel_.lumen, vessel_.paths,
                     {.see = stop_if_interrupted, .every_steps = steps_between_signal_checks, .log = log}) {}
 
   std::size_t steps() {
@@ -184,7 +191,10 @@ public:
       step();
   }
   PointRows points() {
-    return rows_of(run_exclusively([&] { return deployment_.lumen(); }));
+    return rows_of(run_exclusively([&] {
+      Vectors deployed = deployment_.lumen();
+      return carried_ ? carried_->points(deployed) : deployed;
+    }));
   }
   std::vector<DeviceShape> devices() {
     return run_exclusively([&] { return deployment_.snapshot().devices; });
@@ -192,6 +202,8 @@ public:
   Result result() {
     return run_exclusively([&] {
       DeploymentResult d = deployment_.result();
+      if (carried_)
+        d = carried_->carried(std::move(d));
       json figures = readouts(scene_, vessel_.lumen, vessel_.paths, d);
       return Result{std::move(d), vessel_.lumen.triangles, std::move(figures)};
     });
@@ -200,20 +212,25 @@ public:
 private:
   Vessel vessel_;
   Scene scene_;
+  std::optional<CarriedLumen> carried_;
   Deployment deployment_;
   std::recursive_mutex mutex_; ///< recursive: the user's log function may ask for the state
 };
 
 std::unique_ptr<Session> make_session(const Vessel& vessel, const py::dict& devices, const py::sequence& steps,
-                                      double map_pa, const py::dict& wall, const py::dict& numerics, const Log& log) {
+                                      double map_pa, const py::dict& wall, const py::dict& numerics,
+                                      const Vessel* coarse_lumen, const Log& log) {
   Scene scene = scene_of(vessel, devices, steps, map_pa, wall, numerics);
   const py::gil_scoped_release released;
-  return std::make_unique<Session>(vessel, std::move(scene), log);
+  if (coarse_lumen)
+    check_lumen(scene, coarse_lumen->lumen, vessel.paths);
+  return std::make_unique<Session>(vessel, coarse_lumen, std::move(scene), log);
 }
 
 Result deploy_all(const Vessel& vessel, const py::dict& devices, const py::sequence& steps, double map_pa,
-                  const py::dict& wall, const py::dict& numerics, const Log& log) {
-  const std::unique_ptr<Session> deployment = make_session(vessel, devices, steps, map_pa, wall, numerics, log);
+                  const py::dict& wall, const py::dict& numerics, const Vessel* coarse_lumen, const Log& log) {
+  const std::unique_ptr<Session> deployment =
+      make_session(vessel, devices, steps, map_pa, wall, numerics, coarse_lumen, log);
   deployment->run();
   return deployment->result();
 }
@@ -232,6 +249,8 @@ steps: list of steps, as `procedure` of scene.json.)";
 constexpr const char* option_docs = R"(
 map_pa: mean arterial pressure, Pa.
 wall, numerics: settings off their defaults, as in scene.json (vci/settings.md).
+coarse_lumen: Lumen of the same vessel on longer edges. It is deployed in less time and moves `lumen` along; its
+    centreline is not used.
 log: function that takes each line of progress and warnings; None for silence.
 
 Raises InputError before any work, ComputationError where a stage does not reach force balance.)";
@@ -302,7 +321,8 @@ Raises InputError where lengths differ or a value is not possible.)")
           "(n,) gap between wall and stent; 0 where no stent faces the wall")
       .def_property_readonly(
           "forces", [](const Result& r) { return arrays_of(r.deployment.forces); },
-          "{pressure_n, contact_n, foundation_n, residual_n: (n, 3)}; 0 where the wall is held")
+          "{pressure_n, contact_n, foundation_n, residual_n: (n, 3)}; 0 where the wall is held. At the points of "
+          "coarse_lumen, if it was given")
       .def_property_readonly(
           "devices", [](const Result& r) { return r.deployment.devices; },
           "[Device]: balloons inflated, in the order of their steps, then stents")
@@ -317,7 +337,7 @@ Raises InputError where lengths differ or a value is not possible.)")
                       (std::string("A procedure that runs one step at a time.") + argument_docs + option_docs).c_str())
       .def(py::init(&make_session), py::arg("lumen"), py::arg("devices"), py::arg("steps"), py::kw_only(),
            py::arg("map_pa") = Scene{}.map_pa, py::arg("wall") = py::dict(), py::arg("numerics") = py::dict(),
-           py::arg("log") = py::none())
+           py::arg("coarse_lumen") = nullptr, py::arg("log") = py::none())
       .def("step", &Session::step, "Runs the next step. Raises ComputationError, RuntimeError where none is left.")
       .def("run", &Session::run, "Runs the steps that are left. Raises ComputationError.")
       .def("result", &Session::result,
@@ -329,7 +349,7 @@ Raises InputError where lengths differ or a value is not possible.)")
 
   m.def("deploy", &deploy_all, py::arg("lumen"), py::arg("devices"), py::arg("steps"), py::kw_only(),
         py::arg("map_pa") = Scene{}.map_pa, py::arg("wall") = py::dict(), py::arg("numerics") = py::dict(),
-        py::arg("log") = py::none(),
+        py::arg("coarse_lumen") = nullptr, py::arg("log") = py::none(),
         (std::string("Runs a procedure and returns its Result.") + argument_docs + option_docs).c_str());
   m.def("radius_correct", &radius_corrected, py::arg("lumen"), py::arg("devices"), py::arg("steps"),
         (std::string("The baseline without mechanics: the radius along the stented span becomes the device's.\n"

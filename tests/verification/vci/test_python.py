@@ -77,6 +77,26 @@ def step(name="first", device="b", action="predilatation", **changes):
 STEPS = [step(), step("second", "s", "stent", pressure_bar=11)]
 
 
+def test_a_coarse_lumen_moves_the_fine_one(vessel):
+    """The fine lumen keeps its points' order; areas agree with its own deployment, and each step can be watched."""
+    coarse = lumen_of(Tube(length=20, lesion_length=7, edge=1.1))
+    alone, carried = (vci.deploy(vessel, DEVICES, STEPS, coarse_lumen=given) for given in (None, coarse))
+    assert carried.points.shape == vessel.points.shape and np.array_equal(carried.triangles, alone.triangles)
+    assert len(carried.wall_stretch) == len(carried.malapposition_mm) == len(vessel.points)
+    assert len(carried.forces["contact_n"]) == len(coarse.points)
+    areas = [[row["area_mm2"] for row in one.readouts["csa_profile"]] for one in (alone, carried)]
+    assert np.mean(areas[1]) == pytest.approx(np.mean(areas[0]), rel=0.02) and areas[0] != areas[1]
+    watched = vci.Deployment(vessel, DEVICES, STEPS, coarse_lumen=coarse)
+    watched.run()
+    assert np.array_equal(watched.points, carried.points)
+
+
+def test_a_coarse_lumen_of_another_vessel_is_refused(vessel):
+    other = lumen_of(Tube(length=20, lesion_length=7, edge=1.1, radius=4.0))
+    with pytest.raises(vci.InputError, match="coarse_lumen is not this lumen.*\n.*argument coarse_lumen"):
+        vci.deploy(vessel, DEVICES, STEPS, coarse_lumen=other)
+
+
 DEPLOY_ARRAYS_SCRIPT = """
 import json, sys
 import numpy as np
