@@ -1,7 +1,10 @@
 """Errors that a user sees: what is wrong, where, the value, and the remedy."""
 
 import functools
+import re
 import sys
+
+LAST_LINES = 6  # last lines of a log, taken as the message if the log has no error message of this project
 
 
 class UserError(Exception):
@@ -38,3 +41,9 @@ def guarded(main):
             sys.exit(error.exit_code)
 
     return run
+
+
+def error_message(text):
+    """The error in a log: the last error message of this project if there is one, else the last lines."""
+    begins = [one.start() for one in re.finditer(r"^error: ", text, re.M)]
+    return text[begins[-1] :].strip() if begins else "\n".join(text.strip().splitlines()[-LAST_LINES:])

@@ -5,8 +5,11 @@ import os
 import pathlib
 import subprocess
 
-from common.errors import ComputationError, InputError
+from common.errors import ComputationError, InputError, error_message
 from common.files import write_json
+
+# Exit codes of `vci` and `lumen` that say something about the procedure (docs/design.md): bad input, no convergence.
+NO_ANSWER_EXIT_CODES = (2, 3)
 
 
 class ProcedureFailed(ComputationError):
@@ -18,16 +21,22 @@ class ProcedureFailed(ComputationError):
 
 
 def run_program(command):
-    """Runs a command. Raises ProcedureFailed with the first line of its error, InputError if the program is missing."""
+    """Runs a command. Raises ProcedureFailed if it refuses its input or does not converge.
+
+    Raises InputError if the program is missing, ComputationError if it ends in another way, as by a signal: such a
+    failure says nothing about the procedure.
+    """
     try:
         result = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     except FileNotFoundError:
         raise InputError("no such program", command[0], "missing", "make build, or give --programs") from None
-    if result.returncode:
-        error_lines = [line for line in result.stderr.splitlines() if line.strip()] or [
-            f"exit code {result.returncode}"
-        ]
-        raise ProcedureFailed(pathlib.Path(str(command[0])).name, error_lines[0].removeprefix("error: ").strip())
+    if not result.returncode:
+        return
+    program, message = pathlib.Path(str(command[0])).name, error_message(result.stderr)
+    if result.returncode not in NO_ANSWER_EXIT_CODES:
+        value = f"exit code {result.returncode}; {message}"
+        raise ComputationError("a varied procedure broke off", program, value, "run the step again")
+    raise ProcedureFailed(program, message.partition("\n")[0].removeprefix("error: ").strip())
 
 
 def deploy_and_measure(case, scene, folder):

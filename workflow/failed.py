@@ -1,15 +1,13 @@
 """Which cases of a run failed, at which step and why. The report page on the other cases lists them."""
 
 import pathlib
-import re
 
 from common.documents import json_reader
-from common.errors import InputError
+from common.errors import InputError, error_message
 from common.files import write_json
 from workflow.half_maximum import ARM_NAME as ARM
 
 INTERRUPT_EXIT_CODES = (130, 143)  # exit codes of a step ended by Ctrl-C or SIGTERM, which is no failure
-LAST_LINES = 6  # last lines of a log, taken as the message if the log has no error message of this project
 
 
 def failed_steps(results=pathlib.Path("results"), since=0.0):
@@ -29,12 +27,6 @@ def failed_steps(results=pathlib.Path("results"), since=0.0):
         found.append({"case": case, "step": "/".join(step), "exit_code": code, "message": error_message(text)})
         found[-1]["log"] = str(log)
     return found
-
-
-def error_message(text):
-    """The error in a log: the last error message of this project if there is one, else the last lines."""
-    begins = [one.start() for one in re.finditer(r"^error: ", text, re.M)]
-    return text[begins[-1] :].strip() if begins else "\n".join(text.strip().splitlines()[-LAST_LINES:])
 
 
 def write_failed(out, results=pathlib.Path("results"), since=0.0):

@@ -55,15 +55,22 @@ class Inputs:
         """Whether the reference can treat the case: a synthetic one, by one device at a time in one branch.
 
         A plan that treats all lesions may go into several branches. That is not known before the lumen is measured, so
-        such a case has no reference.
+        such a case has no reference. Neither has one with a device placed by its lesion alone, in a vessel with lesions
+        in several branches.
         """
         description = self.configuration.cases[case]
+        if description["kind"] != "synthetic":
+            return False
         steps = config.listed_steps(description["plan"])
-        branches = {device["branch"] for step in steps for device in step["devices"]}
+        devices = [device for step in steps for device in step["devices"]]
+        lesion_branches = {lesion["branch"] for lesion in description["vessel"].get("lesions", [])}
+        branches = {device["branch"] for device in devices if "branch" in device}
+        for device in devices:
+            if "branch" not in device:
+                branches |= lesion_branches if "lesion" in device else {"main"}
         one_at_a_time = all(len(step["devices"]) == 1 for step in steps)
         treats_all = isinstance(description["plan"], dict) and description["plan"]["treat"] == "all"
-        one_branch = len(branches) <= 1 and not treats_all
-        return description["kind"] == "synthetic" and one_at_a_time and one_branch
+        return one_at_a_time and len(branches) <= 1 and not treats_all
 
     def device_files(self, wildcards):
         """The device families that the case's plan can use."""

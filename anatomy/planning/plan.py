@@ -117,7 +117,14 @@ def _check_device_kind(action, kind, where):
 def _placed_device(request, summary, where):
     """Entry of plan.json for a requested device, placed by lesion or by branch and centre_s_mm. Raises InputError."""
     lesion = lesion_numbered(summary, request["lesion"], where) if "lesion" in request else None
-    name = lesion["branch"] if lesion else request["branch"]
+    name = request.get("branch", lesion["branch"] if lesion else "main")
+    if lesion and lesion["branch"] != name:
+        raise InputError(
+            "the lesion lies in another branch",
+            where,
+            f"lesion {request['lesion']} in {lesion['branch']}, branch: {name}",
+            "leave branch out, or place the device by centre_s_mm",
+        )
     branch = branch_named(summary, name, where)
     centre = round(0.5 * (lesion["s_start_mm"] + lesion["s_end_mm"]), 3) if lesion else request["centre_s_mm"]
     half = request["length_mm"] / 2

@@ -34,6 +34,16 @@ def test_segment_covers_all_stents_of_the_branch(families, summary):
     assert [step["name"] for step in done["procedure"]] == ["stent", "stent_2"]
 
 
+def test_a_branch_left_out_is_that_of_the_lesion_or_main(families, summary):
+    """The user's branch decides; one that is not said is never made up against the lesion."""
+    summary["lesions"][0] |= {"branch": "side1", "s_start_mm": 0.0, "s_end_mm": 2.0}
+    for place, branch in (({"lesion": 1}, "side1"), ({"centre_s_mm": 20}, "main")):
+        steps = stent_step(**place)
+        del steps[0]["devices"][0]["branch"]
+        done = plan.procedure(steps, families, summary, "case")
+        assert done["procedure"][0]["devices"][0]["branch"] == branch
+
+
 def test_device_of_a_side_branch_may_begin_in_the_parent(families, summary):
     done = plan.procedure(stent_step(branch="side1", centre_s_mm=1), families, summary, "case")
     assert done["segment"] == {"branch": "side1", "s_start_mm": 0.0, "s_end_mm": 8.5}
@@ -47,6 +57,7 @@ def test_device_of_a_side_branch_may_begin_in_the_parent(families, summary):
         (stent_step(length=16), "size not in the catalogue"),
         (stent_step(pressure=17), "rated burst pressure"),
         (stent_step(lesion=2), "no such lesion"),
+        (stent_step(branch="side1", lesion=1), "the lesion lies in another branch"),
         (stent_step(branch="side4", centre_s_mm=5), "no such branch"),
         (stent_step(centre_s_mm=5), "beyond its branch"),
         (stent_step(centre_s_mm=45), "beyond its branch"),

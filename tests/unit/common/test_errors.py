@@ -2,7 +2,7 @@
 
 import pytest
 
-from common.errors import ComputationError, InputError, guarded
+from common.errors import ComputationError, InputError, error_message, guarded
 
 
 @pytest.mark.parametrize("kind, code", [(InputError, 2), (ComputationError, 3)])
@@ -27,3 +27,8 @@ def test_guarded_lets_defects_through_and_returns_results():
     assert main(False) == 5
     with pytest.raises(KeyError):
         main(True)
+
+
+def test_the_last_error_of_a_log_counts_and_ends_it():
+    assert error_message("error: first\n  remedy: x\nmore\nerror: last\n  remedy: y\n") == "error: last\n  remedy: y"
+    assert error_message("") == ""

@@ -254,6 +254,22 @@ def test_a_plan_for_all_lesions_has_no_reference(folder, plan, has):
     assert Inputs(Configuration(folder)).has_reference("lcx01") == has
 
 
+@pytest.mark.parametrize(
+    "place, other_branch, has",
+    [({"lesion": 1}, "main", True), ({"lesion": 1}, "side1", False), ({"centre_s_mm": 20}, "side1", True)],
+)
+def test_a_lesion_of_an_unknown_branch_has_no_reference(folder, place, other_branch, has):
+    """Where lesions lie in two branches, a device placed by its lesion alone may go into either."""
+    inputs = Inputs(Configuration(folder))
+    case = inputs.configuration.cases["quick_focal"]
+    for step in case["plan"]:
+        for device in step["devices"]:
+            del device["branch"], device["lesion"]
+            device |= place
+    case["vessel"]["lesions"] = [{"branch": "main"}, {"branch": other_branch}]
+    assert inputs.has_reference("quick_focal") == has
+
+
 def test_devices_of_a_plan(folder):
     found = Configuration(folder)
     listed = [file.rsplit("/", 1)[1] for file in found.device_files("quick_focal")]

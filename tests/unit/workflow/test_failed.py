@@ -8,7 +8,7 @@ import pytest
 
 from common.errors import InputError
 from workflow.__main__ import main
-from workflow.failed import cases_of_failed_arms, failed_steps, error_message, without_failed
+from workflow.failed import cases_of_failed_arms, failed_steps, without_failed
 
 ERROR = "error: too narrow\n  where:  main\n  value:  0.2 mm\n  remedy: another plan"
 
@@ -55,11 +55,6 @@ def test_failures_of_earlier_runs_do_not_count(step, tmp_path):
     os.utime(mark, (1000, 1000))
     assert failed_steps(tmp_path / "results", since=1001) == []
     assert len(failed_steps(tmp_path / "results", since=1000)) == 1
-
-
-def test_the_last_error_of_a_log_counts_and_ends_it():
-    assert error_message("error: first\n  remedy: x\nmore\nerror: last\n  remedy: y\n") == "error: last\n  remedy: y"
-    assert error_message("") == ""
 
 
 def test_the_study_is_made_of_the_other_cases(step, tmp_path, capsys):
