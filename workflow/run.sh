@@ -4,7 +4,8 @@
 log=$1
 shift
 rm -f "$log.failed"
-{ printf '$'; printf ' %q' "$@"; echo; } >"$log" &&
+words=$(printf ' %q' "$@")
+printf '$%s\n' "$words" >"$log" && # at once, so that a reader never sees half a line
 "$@" >>"$log" 2>&1 && exit 0
 status=$?
 echo "$status" >"$log.failed"

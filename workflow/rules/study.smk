@@ -5,6 +5,15 @@ STUDY_FIGURES += ["differences"] if INPUTS.any_lumen_after(CASES) else []
 # The tables that the report shows or hands out.
 STUDY_TABLES = ["agreement", "half_maximum", "nearer", "contrast", "differences", "differences_stations", "seconds"]
 STUDY_TABLES += ["timings", "cohort", "patients", "inclusion"]
+# All steps of all cases have ended once these files are made. The files of the last line are made by their own names only.
+MADE_OF_CASES = expand("results/cases/{case}/metrics.json", case=CASES)
+MADE_OF_CASES += expand("results/cases/{case}/half_maximum/metrics.json", case=HALF_MAXIMUM_CASES)
+MADE_OF_CASES += expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"])
+MADE_OF_CASES += expand("results/cases/{case}/plans/ranking.csv", case=CASES)
+MADE_OF_CASES += expand("results/cases/{case}/sensitivity/flow_intervals.csv", case=CASES)
+MADE_OF_CASES += expand("results/figures/{case}_{name}.png", case=CASES, name=[*CASE_FIGURES, "procedure", "sensitivity"])
+MADE_OF_CASES += expand("results/figures/{case}_ct.png", case=[case for case in CASES if "ct" in INPUTS.states(case)])
+MADE_OF_CASES += solved_plans(CASES) + procedure_sensitivity_tables(CASES)
 
 
 rule metrics:
@@ -241,11 +250,7 @@ rule timings:
     message:
         "table of timings"
     input:
-        # When a case has these files, every step has written its seconds to a Snakemake benchmark file.
-        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
-        half_maximum=expand("results/cases/{case}/half_maximum/metrics.json", case=HALF_MAXIMUM_CASES),
-        plans=expand("results/cases/{case}/plans/ranking.csv", case=CASES),
-        intervals=expand("results/cases/{case}/sensitivity/flow_intervals.csv", case=CASES),
+        MADE_OF_CASES,  # each step has then written its seconds
         code=command_code("reports", "run_timings"),
     output:
         "results/study/timings.csv",
@@ -283,6 +288,7 @@ rule software:
     message:
         "versions of the software"
     input:
+        MADE_OF_CASES,  # written anew with any result, since the revision may have changed since
         programs=[VCI, LUMEN],
         code=command_code("reports", "run_software"),
     output:
@@ -299,11 +305,7 @@ rule provenance:
     message:
         "provenance: hashes, versions, seeds and commands"
     input:
-        # When a case has its metrics, pictures and varied plans, every product and every log is written.
-        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
-        pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
-        varied=expand("results/cases/{case}/{table}.csv", case=CASES, table=["plans/ranking", "sensitivity/flow"]),
-        half_maximum=expand("results/cases/{case}/half_maximum/metrics.json", case=HALF_MAXIMUM_CASES),
+        MADE_OF_CASES,  # each product and each log is then written
         software="results/study/software.json",
         programs=[VCI, LUMEN],
         code=command_code("workflow", "run_provenance"),
