@@ -41,6 +41,4 @@ class HalfMaximum:
         """Anatomy and flow files of the states without a CT. The arm's metrics compare its lumens with these states."""
         names = ("{anatomy}/centreline.vtp", "{anatomy}/sections.csv", "{anatomy}/anatomy.json")
         flow = ("flow/{state}/ffr.json", "flow/{state}/pullback.csv")
-        ct_folders = tuple(f"/{state}/" for state in CT_STATES)
-        files = self.inputs.files_of_states(*names, *flow)(wildcards)
-        return [file for file in files if not any(state in file for state in ct_folders)]
+        return self.inputs.files_of_states(*names, *flow, without=CT_STATES)(wildcards)

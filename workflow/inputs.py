@@ -265,7 +265,7 @@ class Inputs:
         """The file with the vessel's end points, which a reader of the image would click: the state's own anatomy."""
         return self.anatomy_files(wildcards)["anatomy"]
 
-    def files_of_states(self, *names):
+    def files_of_states(self, *names, without=()):
         """A function of the wildcards that gives <case>/<name> of every state, with {state} and {anatomy} filled in.
 
         Names of flow files are left out for states without a computed flow.
@@ -274,7 +274,7 @@ class Inputs:
         def files(wildcards):
             case = f"{self.results}/cases/{wildcards.case}"
             found = []
-            for state in self.states(wildcards.case):
+            for state in (state for state in self.states(wildcards.case) if state not in without):
                 anatomy = "anatomy" if state == "pre" else f"{state}/anatomy"
                 wanted = [name for name in names if self.has_flow(wildcards.case, state) or "flow/" not in name]
                 found += [f"{case}/" + name.format(state=state, anatomy=anatomy) for name in wanted]

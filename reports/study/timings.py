@@ -52,8 +52,7 @@ def program_rows(files):
             document = read_json(path, "vci deploy")
             for stage in document.get("stages", []):
                 yield {"step": f"{name}/{stage['step']}/{stage['stage']}", "seconds": number(stage, "seconds", path)}
-            if "seconds" in document:  # radius correction does not measure its own time
-                yield {"step": name, "seconds": number(document, "seconds", path)}
+            yield {"step": name, "seconds": number(document, "seconds", path)}
     path = files.folder / "reference" / "reference.json"
     if path.exists():
         yield {"step": "reference", "seconds": number(read_json(path, "reference"), "seconds", path)}

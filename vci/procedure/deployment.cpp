@@ -161,9 +161,12 @@ private:
     const std::string where = step.name + " / " + stage.name;
     if (!r.converged)
       throw_failed_stage(state, where, stage, r);
-    if (!settings.textbook) // states of the textbook scheme are reported unchecked
+    if (!settings.textbook) { // states of the textbook scheme are reported unchecked
       check_devices_inside(state.system, *state.interactions.trees, state.current_lumen(), state.lumen.triangles,
                            where);
+      if (const auto warning = penetration_warning(r, state.system, settings.maximal_penetration, where))
+        warn(*warning);
+    }
     after_balance(stage, step);
     if (observer_.see)
       observer_.see(snapshot_of(state, static_cast<int>(stages.size()), r.steps, state.balance));

@@ -1,5 +1,6 @@
 #include "vci/procedure/diagnostics.hpp"
 #include "vci/procedure/unfolding.hpp"
+#include "vci/solver/convergence_error.hpp"
 
 #include <algorithm>
 #include <sstream>
@@ -49,6 +50,16 @@ std::optional<std::string> overexpansion_warning(const System& system, const Ste
   text << step << ": " << h.device << " is opened to " << *std::max_element(perimeters.begin(), perimeters.end())
        << " mm by its perimeter, beyond its maximal diameter of " << spec.maximal_diameter << " mm (" << beyond
        << " of " << perimeters.size() << " rings)";
+  return text.str();
+}
+
+std::optional<std::string> penetration_warning(const RelaxResult& balance, const System& system, double limit,
+                                               const std::string& where) {
+  if (balance.maximal_penetration <= limit)
+    return std::nullopt;
+  std::ostringstream text;
+  text << where << ": a vertex lies " << balance.maximal_penetration << " mm deep in another surface"
+       << describe_deepest(balance, system) << ", more than " << limit << " mm";
   return text.str();
 }
 

@@ -23,4 +23,10 @@ std::vector<std::string> warnings_of_plan(const Scene& scene);
 std::optional<std::string> overexpansion_warning(const System& system, const StentHistory& history,
                                                  const StentSpec& spec, const std::string& step);
 
+/// The warning that in balance a vertex is deeper in another surface than the solver's `maximal_penetration`; nothing
+/// if none is. The deep response has then reached its limit, or the contact has none (folds of one balloon).
+/// @param where step and stage, for the message
+std::optional<std::string> penetration_warning(const RelaxResult& balance, const System& system, double limit,
+                                               const std::string& where);
+
 } // namespace vci

@@ -215,7 +215,7 @@ private:
   /// bends makes the residual rise slowly, and longer steps help.
   void adapt_step_to_residual() {
     h_ *= forces_.residual > 1.4 * previous_residual_ ? 0.5 : 1.8;
-    h_ = std::clamp(h_, 10 * smallest_step, s_.maximal_step);
+    h_ = std::min(std::max(h_, 10 * smallest_step), s_.maximal_step);
   }
 
   void gather_stencils() {
@@ -281,7 +281,7 @@ private:
     const double step_scale = large_displacement > 0 ? s_.displacement_per_step / large_displacement : 2.0;
     settling_ = forces_.residual < 0.1 && step_scale > 4.0;
     if (!settling_)
-      h_ = std::clamp(h_ * std::clamp(step_scale, 0.4, 2.0), smallest_step, s_.maximal_step);
+      h_ = std::min(std::max(h_ * std::clamp(step_scale, 0.4, 2.0), smallest_step), s_.maximal_step);
   }
 
   System& system_;

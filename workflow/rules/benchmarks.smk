@@ -152,7 +152,7 @@ rule deployment_calcium_strength:
         code=module_code("vci.benchmarks.calcium_strength"),
         vessels=code("data_synthetic", "data_synthetic.generate"),
         plan=code("anatomy", "anatomy.planning.plan"),
-        devices=sorted(str(file) for file in (STUDY.folder / "devices").glob("*.yaml")),
+        devices=DEVICES,
     output:
         "results/benchmarks/deployment_calcium_strength/strength.csv",
     log:
@@ -179,7 +179,7 @@ rule deployment_against_published:
         vessels=code("data_synthetic", "data_synthetic.draw", "data_synthetic.generate"),
         truth=code("data_synthetic", "data_synthetic.reference.run"),
         plan=code("anatomy", "anatomy.planning.plan"),
-        devices=sorted(str(file) for file in (STUDY.folder / "devices").glob("*.yaml")),
+        devices=DEVICES,
     output:
         "results/benchmarks/deployment_against_published/published.csv",
     log:
@@ -255,6 +255,8 @@ rule reference_against_solid:
         code=code("data_synthetic", "data_synthetic.generate", "data_synthetic.reference.checks.against_solid"),
         script="tests/verification/data_synthetic/solid_benchmark.py",
         shared="tests/verification/data_synthetic/benchmark_case.py",
+        plan=code("anatomy", "anatomy.planning.plan"),
+        devices=DEVICES,
         cases=[f"config/cases/{name}.yaml" for name in ("quick_focal", "long_plaque_bench")],
     output:
         "results/benchmarks/reference_against_solid/benchmark.csv",
@@ -279,6 +281,8 @@ rule reference_sensitivity:
         code=code("data_synthetic", "data_synthetic.generate", "data_synthetic.reference.checks.sensitivity"),
         script="tests/verification/data_synthetic/sensitivity_benchmark.py",
         shared="tests/verification/data_synthetic/benchmark_case.py",
+        plan=code("anatomy", "anatomy.planning.plan"),
+        devices=DEVICES,
         case="config/cases/lad01.yaml",
     output:
         "results/benchmarks/reference_sensitivity/sensitivity.csv",
@@ -308,6 +312,8 @@ rule reference_against_calculix:
         ),
         script="tests/verification/data_synthetic/calculix_benchmark.py",
         shared="tests/verification/data_synthetic/benchmark_case.py",
+        plan=code("anatomy", "anatomy.planning.plan"),
+        devices=DEVICES,
         case="config/cases/lad01.yaml",
     output:
         "results/benchmarks/reference_against_calculix/ring.csv",

@@ -1,4 +1,5 @@
 // Warnings of stents that stay too small or stand off the wall: just inside and just outside of each limit.
+#include "vci/procedure/diagnostics.hpp"
 #include "vci/results/readouts.hpp"
 
 #include <gtest/gtest.h>
@@ -36,4 +37,14 @@ TEST(OutcomeWarnings, AFoldedWallWithThePlaceOfItsFirstCrossing) {
       vci::crossing_warning({3, {1.5, -2, 0.25}}),
       "the wall is folded: 3 pairs of its triangles cross, first at (1.5, -2, 0.25) mm; do not trust areas and flow "
       "there");
+}
+
+TEST(OutcomeWarnings, AVertexDeeperThanTheLimitInBalance) {
+  const vci::System system;
+  vci::RelaxResult balance;
+  balance.maximal_penetration = 0.05;
+  EXPECT_FALSE(vci::penetration_warning(balance, system, 0.05, "stent / balloon-extraction"));
+  balance.maximal_penetration = 0.051;
+  EXPECT_EQ(vci::penetration_warning(balance, system, 0.05, "stent / balloon-extraction"),
+            "stent / balloon-extraction: a vertex lies 0.051 mm deep in another surface, more than 0.05 mm");
 }

@@ -14,7 +14,7 @@ struct FoldingSpec {
 
 struct BalloonSpec {
   double nominal_diameter, length; ///< mm; the length is that of the cylinder, without shoulders
-  double shoulder = 1.2;           ///< length of each shoulder, mm
+  double shoulder = 2.0;           ///< length of each shoulder, mm
   double crimped_diameter;         ///< mm
   double rated_burst_pressure_bar;
   std::vector<double> chart_pressure_bar, chart_diameter; ///< bar, mm

@@ -46,10 +46,10 @@ std::string text_of_pair(double one, const char* between, double other, const ch
 /// Refuses impossible charts: pressures out of range, or diameters far from the nominal diameter.
 void check_chart(const BalloonSpec& b, const CheckedObject& chart) {
   for (const double p : b.chart_pressure_bar)
-    if (!(p >= 0 && p <= highest_pressure))
+    if (!(p > 0 && p <= highest_pressure))
       throw common::InputError("a pressure that no balloon is made for", chart.path("pressure_bar"),
-                               text_of_pair(p, ", of at most ", highest_pressure, " bar"),
-                               "give the maker's chart, in bar");
+                               text_of_pair(p, ", above 0 and at most ", highest_pressure, " bar"),
+                               "give the maker's chart, in bar, without an entry at 0 bar");
   for (const double d : b.chart_diameter)
     if (!(d >= least_chart_ratio * b.nominal_diameter && d <= largest_chart_ratio * b.nominal_diameter))
       throw common::InputError("a chart that leaves the nominal diameter far behind", chart.path("diameter_mm"),
