@@ -17,6 +17,7 @@ SEED_RADIUS_MM = 0.6  # radius of the ball in which the blood's CT number is ave
 PASSABLE_SHARE, LUMEN_SHARE = 0.2, 0.5
 BRIGHT_RATIO = 1.15  # voxels above this times the blood's CT number at the brightest end are calcium or metal
 LARGEST_BLOOD_RISE = 1.5  # blood at an end point is at most this times the inlet's; brighter points lie in calcium
+THICK_MM = 1.0  # slices further apart than this may be the reason why a coronary artery is not found
 SMOOTHING_MM = 0.15  # rms distance, per coordinate, between a smoothed axis and the voxels of its path
 
 
@@ -35,13 +36,16 @@ class Line:
 
 
 def blood_hu(image, inlet_mm):
-    """CT number of the blood at a point (3,) in mm such as the inlet: mean over the voxels within 0.6 mm of it."""
+    """CT number of the blood at a point (3,) in mm such as the inlet: mean over the voxels within 0.6 mm of it.
+
+    In thick slices no voxel may be so near. The nearest one counts then.
+    """
     reach = np.ceil(SEED_RADIUS_MM / image.spacing_mm).astype(int)
     index, _ = image.index(inlet_mm)
     box = tuple(slice(max(i - r, 0), i + r + 1) for i, r in zip(index, reach))
     centres = np.stack(np.meshgrid(*[image.centres(k)[box[k]] for k in range(3)], indexing="ij"), axis=-1)
-    ball = np.linalg.norm(centres - inlet_mm, axis=-1) <= SEED_RADIUS_MM
-    return float(image.values[box][ball].mean())
+    distance = np.linalg.norm(centres - inlet_mm, axis=-1)
+    return float(image.values[box][distance <= max(SEED_RADIUS_MM, distance.min())].mean())
 
 
 def _graph(cost, spacing_mm):
@@ -92,7 +96,7 @@ def find_branches(image, ends):
             remedy = (
                 "check that the point lies in the inlet's vessel; end an occluded one before its occlusion, or give"
             )
-            remedy += " a centreline (ct: centreline, --centreline)"
+            remedy += " a centreline (ct: centreline, --centreline)" + _about_thick_slices(image)
             raise ComputationError("no way through the contrast from the inlet", name, value, remedy)
     cost[parts != parts[seeds[0]]] = np.inf
     graph, cells = _graph(cost, image.spacing_mm)
@@ -109,6 +113,12 @@ def find_branches(image, ends):
     return _branches(chains, [np.asarray(centre, float) for _, centre in ends])
 
 
+def _about_thick_slices(image):
+    """What to add to a remedy if the voxels are too large for a coronary artery; nothing if they are not."""
+    spacing_mm = image.spacing_mm.max()
+    return f"; slices are {spacing_mm:.2g} mm apart: give those of 1 mm or less" if spacing_mm > THICK_MM else ""
+
+
 def _seed(image, smooth, name, centre, blood):
     """Index (3,) of the brightest voxel next to an end point. Raises InputError if it is darker than the lumen."""
     index, _ = image.index(np.asarray(centre, float))
@@ -118,7 +128,7 @@ def _seed(image, smooth, name, centre, blood):
     if smooth[seed] < LUMEN_SHARE * blood:
         value = f"{smooth[seed]:.0f} HU where blood is {blood:.0f}"
         remedy = f"put it on the vessel's axis, where at least {LUMEN_SHARE:g} of the blood's HU are; the inlet's too"
-        remedy += "; mm in the volume's own coordinates, not voxel numbers"
+        remedy += "; mm in the volume's own coordinates, not voxel numbers" + _about_thick_slices(image)
         raise InputError("the end point is not in a contrast-filled vessel", name, value, remedy)
     return seed
 

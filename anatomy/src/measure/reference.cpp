@@ -11,7 +11,14 @@ constexpr std::array<double, 2> other_exponents{3, 7.0 / 3};
 constexpr double healthy_tolerance = 0.03;
 constexpr double wide_ratio = 1.08;      // a section is wide above this ratio to the profile; an ostium's may reach it
 constexpr double ruled_out_score = -1e9; // score of a line that cannot be the reference
-constexpr int fewest_sections = 8;       // least number of sections for a profile, and for each of its parts
+// Distance (mm) of the samples that a profile is fitted to. The numbers of sections below are then lengths, and the
+// profile does not depend on the spacing of the sections.
+constexpr double sample_spacing = 0.5;
+constexpr int fewest_sections = 8;      // least number of samples (4 mm) for a profile, and for each of its parts
+constexpr double upper_quantile = 0.75; // share of the sections below the reference of a vessel without healthy stretch
+// Largest ratio of a reference to the widest section. A line through a healthy distal part rises above the proximal
+// sections of a vessel that is narrowed there, but a diameter that the vessel has nowhere is not its healthy one.
+constexpr double largest_extrapolation = 1.25;
 // Lines are tried through pairs of at most so many sections.
 constexpr std::size_t most_sampled_sections = 80;
 constexpr double dilated_ratio = 1.15;    // a section is dilated above this ratio to the profile
@@ -22,8 +29,8 @@ constexpr double deepest_step = 0.737;         // where no stub and no wide bran
 constexpr double deepest_step_by_branch = 0.6; // beside a closed stub or a wide branch
 constexpr double split_tolerance = 0.1; // share by which a step at a branch may be deeper than the flow split says
 constexpr double ectasia_ratio = 1.5;   // least ratio to the widest lumen beside it (definition of coronary ectasia)
-// Largest ratio of neighbouring sections' diameters on the flank of an ectasia. The steepest taper changes less: 0.4 %
-// of the first diameter at the default spacing of 0.25 mm.
+// Largest ratio of neighbouring samples' diameters on the flank of an ectasia. The steepest taper changes less: 0.75 %
+// of the first diameter.
 constexpr double ectasia_flank_ratio = 0.99;
 constexpr double least_trunk_share = 0.1; // share of D^m that is left behind side branches, however wide they are
 // Largest taper of the reference, as a share of its first diameter per mm. An LAD tapers by 0.005 per mm (3.7 to 1.9 mm
@@ -93,6 +100,7 @@ struct LineCandidate {
 // more than `steepest_taper`.
 std::vector<LineCandidate> candidate_lines(const std::vector<DiameterSample>& measured, const SideBranches& sides) {
   const std::vector<DiameterSample> trunk = without_branch_steps(measured, sides);
+  const double widest = std::max_element(trunk.begin(), trunk.end(), is_less_wide)->diameter;
   const std::size_t every = (trunk.size() + most_sampled_sections - 1) / most_sampled_sections;
   std::vector<LineCandidate> found;
   const auto add = [&](const ReferenceLine& line) {
@@ -106,13 +114,14 @@ std::vector<LineCandidate> candidate_lines(const std::vector<DiameterSample>& me
     found.push_back(std::move(one));
   };
   // level with the widest section: no section is wider, so this line is never ruled out
-  add({std::max_element(trunk.begin(), trunk.end(), is_less_wide)->diameter, 0});
+  add({widest, 0});
   for (std::size_t i = 0; i < trunk.size(); i += every) {
     add({trunk[i].diameter, 0});
     for (std::size_t j = i + every; j < trunk.size(); j += every) {
       const double slope = (trunk[j].diameter - trunk[i].diameter) / (trunk[j].s - trunk[i].s);
       const ReferenceLine line{trunk[i].diameter - slope * trunk[i].s, slope};
-      if (slope < 0 && -slope < steepest_taper * line.at_start && line.at(trunk.back().s) > 0)
+      if (slope < 0 && -slope < steepest_taper * line.at_start && line.at(trunk.back().s) > 0 &&
+          line.at(trunk.front().s) < largest_extrapolation * widest)
         add(line);
     }
   }
@@ -155,6 +164,26 @@ ProfileChoice best_line_beside_dilatation(const std::vector<LineCandidate>& line
       continue;
     if (const double score = one.score(0, first) + one.score(last, n); score > best.score)
       best = {score, one.healthy_between(0, first) + one.healthy_between(last, n), &one, nullptr, 0, 0, first, last};
+  }
+  return best;
+}
+
+// The line above three quarters of the sections, by quantile regression over the candidates. It is the reference of a
+// vessel in which no stretch is healthy: its diameter changes everywhere.
+ReferenceLine upper_quartile_line(const std::vector<LineCandidate>& lines, const std::vector<DiameterSample>& measured,
+                                  const SideBranches& sides) {
+  ReferenceLine best;
+  double least = 0;
+  for (const LineCandidate& one : lines) {
+    double cost = 0;
+    for (const DiameterSample& c : measured) {
+      const double above = c.diameter - diameter_behind_branches(one.line.at(c.s), sides, c.s);
+      cost += above > 0 ? upper_quantile * above : (upper_quantile - 1) * above;
+    }
+    if (&one == &lines.front() || cost < least) {
+      least = cost;
+      best = one.line;
+    }
   }
   return best;
 }
@@ -292,6 +321,18 @@ std::vector<DiameterSample> without_ectasia(std::vector<DiameterSample> measured
   return measured;
 }
 
+void note_irregular(const std::vector<DiameterSample>& measured, const Branch& branch, const ReferenceProfile& profile,
+                    std::vector<Repair>& notes) {
+  const double from = measured.front().s, to = measured.back().s;
+  char detail[256];
+  std::snprintf(detail, sizeof detail,
+                "%s: less than %.0f mm of it follow one line within %.0f %%. A quarter of it is wider than the "
+                "reference, %.2f mm at %.1f mm and %.2f mm at %.1f mm",
+                branch.name.c_str(), fewest_sections * sample_spacing, 100 * healthy_tolerance, profile.diameter(from),
+                from, profile.diameter(to), to);
+  notes.push_back({"no healthy stretch for the reference", 1, detail, true});
+}
+
 void note_dilatation(const ProfileChoice& choice, const std::vector<DiameterSample>& measured, const Branch& branch,
                      const ReferenceProfile& profile, std::vector<Repair>& notes) {
   const auto first = measured.begin() + static_cast<long>(choice.dilated);
@@ -418,6 +459,11 @@ ReferenceProfile best_profile(const std::vector<DiameterSample>& measured, const
   take_if_better([&](std::size_t k) { return best_line_beside_dilatation(lines[k]); }, all_or_none);
   take_if_better([&](std::size_t k) { return best_line(lines[k], 0, n); }, lines.size());
   take_if_better([&](std::size_t k) { return best_step(lines[k], measured, flow_splits[k], branches, stubs); }, whole);
+  if (best.healthy < fewest_sections) {
+    const ReferenceProfile profile{upper_quartile_line(lines.front(), measured, branches), branches};
+    note_irregular(measured, branch, profile, notes);
+    return profile;
+  }
   const ReferenceProfile profile = fit_profile(best, measured, flow_splits[split]);
   if (best.behind)
     note_step(best, measured, branch, profile, branches, notes);
@@ -426,6 +472,32 @@ ReferenceProfile best_profile(const std::vector<DiameterSample>& measured, const
   note_skipped_branch(flow_splits[split], branches, branch, profile, notes);
   note_other_reading(lines[split], best.healthy, measured, branch, flow_splits[split], profile, notes);
   return profile;
+}
+
+// The sections at a distance of about `sample_spacing`: some of those that lie closer, and values between those that
+// lie further apart.
+std::vector<DiameterSample> evenly_spaced(const std::vector<DiameterSample>& measured) {
+  std::vector<DiameterSample> samples;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    const DiameterSample& here = measured[i];
+    if (samples.empty()) {
+      samples.push_back(here);
+      continue;
+    }
+    const DiameterSample before = samples.back();
+    const double target = before.s + sample_spacing;
+    if (i + 1 < measured.size() && std::abs(measured[i + 1].s - target) < std::abs(here.s - target))
+      continue;
+    const int steps = static_cast<int>(std::lround((here.s - before.s) / sample_spacing));
+    for (int k = 1; k < steps; ++k) {
+      const double share = static_cast<double>(k) / steps;
+      samples.push_back({std::lerp(before.s, here.s, share), std::lerp(before.diameter, here.diameter, share),
+                         before.in_mouth && here.in_mouth});
+    }
+    if (steps > 0)
+      samples.push_back(here);
+  }
+  return samples;
 }
 
 // A constant profile: twice the median of the inscribed radii.
@@ -473,7 +545,7 @@ std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& bran
                    [&](std::size_t a, std::size_t b) { return generation(a) > generation(b); });
   for (std::size_t b : order) {
     const std::vector<DiameterSample> measured =
-        without_ectasia(diameter_samples(branches, sections, b), branches[b], notes);
+        without_ectasia(evenly_spaced(diameter_samples(branches, sections, b)), branches[b], notes);
     if (std::ssize(measured) < fewest_sections) {
       profiles[b] = constant_profile(branches[b]);
       notes.push_back({"constant reference diameter", 1, branches[b].name + " is too short for a profile"});

@@ -33,8 +33,8 @@ struct ReferenceProfile {
   double diameter(double s) const;     ///< mm, at arc length s (mm)
 };
 
-/// One profile for each branch, from the sections away from the ends. A profile is the line on which most sections lie,
-/// within 3 %; these sections count as healthy. "Many more" below means a quarter more.
+/// One profile for each branch, from the sections away from the ends, at a distance of 0.5 mm. A profile is the line on
+/// which most sections lie, within 3 %; these sections count as healthy. "Many more" below means a quarter more.
 /// - A line is ruled out if the lumen is wider than the line before or behind all its healthy sections. So a stretch is
 ///   read as a long narrowing of a wide vessel, not as a narrow vessel with a wide end.
 /// - The steps past the side branches are kept unless over 8 more sections lie on a profile without them. Their
@@ -45,6 +45,10 @@ struct ReferenceProfile {
 /// - One more step, of the size that the sections show, is taken if that finds many more healthy sections. It is no
 ///   deeper than past a fork into two equal branches, or at a closed stub into two unequal ones. Where no branch
 ///   leaves, the step is taken for a branch that is missing in the surface.
+/// - If fewer than 8 sections are healthy by the best profile, the vessel has no healthy stretch. The profile is then
+/// the
+///   line above three quarters of the sections, with a warning. No line exceeds the widest section by more than a
+///   quarter.
 /// - A branch with fewer than 8 such sections has a constant profile, twice the median of its inscribed radius.
 /// `notes` takes a warning of each dilatation, ectasia and step without a branch, and a note of each constant profile.
 /// If twice as many sections as the healthy ones lie on a narrower line, a warning gives the diameter by that line too.

@@ -178,3 +178,21 @@ def test_an_axis_without_length_is_an_error_of_the_users(points):
     """Instead of a traceback from the spline."""
     with pytest.raises(ComputationError, match="(?s)axis has no length.*CT numbers.*centreline"):
         paths.smooth_curve(points)
+
+
+def test_an_end_between_thick_slices_has_blood():
+    """No voxel lay within 0.6 mm of the point: its blood was nan, and the search for the vessel broke off."""
+    fine = ct_vessels.image(noise=0.0)
+    thick = image.Image(fine.values[..., ::7], fine.origin_mm, fine.spacing_mm * [1, 1, 7])
+    between = np.array([0.0, 0.0, fine.origin_mm[2] + 2.5 * 2.8])
+    assert paths.blood_hu(thick, between) == pytest.approx(BLOOD, rel=0.05)
+
+
+@pytest.mark.parametrize("every, said", [(2, False), (7, True)])
+def test_thick_slices_are_named_where_a_vessel_is_not_found(every, said):
+    fine = ct_vessels.image(noise=0.0)
+    volume = image.Image(fine.values[..., ::every], fine.origin_mm, fine.spacing_mm * [1, 1, every])
+    ends = [("inlet", np.array([0.0, 0.0, 2.0])), ("outlet1", np.array([5.0, 0.0, 30.0]))]
+    with pytest.raises(InputError, match="not in a contrast-filled vessel") as caught:
+        paths.find_branches(volume, ends)
+    assert ("slices are 2.8 mm apart: give those of 1 mm or less" in str(caught.value)) == said

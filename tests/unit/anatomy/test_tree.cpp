@@ -403,6 +403,54 @@ TEST(Reference, IsFoundWhereNoneOfTheWideSectionsIsDrawn) {
   EXPECT_NEAR(reference_profiles(branches, sections, notes)[0].diameter(20), 2.6, 0.05);
 }
 
+// Reference profile of a single vessel of 40 mm with the given diameters, from sections at a spacing (mm).
+ReferenceProfile profile_at_spacing(double spacing, const std::function<double(double)>& diameter,
+                                    std::vector<Repair>& notes) {
+  std::vector<Branch> branches(1);
+  std::vector<Section> sections(static_cast<std::size_t>(40 / spacing));
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    branches[0].s.push_back(spacing * static_cast<double>(i));
+    sections[i].sample = i;
+    sections[i].area = M_PI / 4 * std::pow(diameter(branches[0].s.back()), 2);
+    sections[i].flag = "ok";
+  }
+  return reference_profiles(branches, sections, notes)[0];
+}
+
+TEST(Reference, DoesNotDependOnTheSpacingOfTheSections) {
+  // 3 mm of the vessel's start and 3 mm of a dilatation are wide: 12 sections at 0.25 mm, 6 at 0.5 mm
+  const auto diameter = [](double s) {
+    return (3.0 - 0.01 * s) * (s < 3 || (s > 20 && s < 23) ? 1.2 : 1) * narrowing(s, 28, 36, 0.5);
+  };
+  std::vector<Repair> notes;
+  const ReferenceProfile usual = profile_at_spacing(0.5, diameter, notes);
+  for (double spacing : {0.1, 0.25, 1.0})
+    for (double s : {1.0, 15.0, 22.0, 32.0, 39.0})
+      EXPECT_NEAR(profile_at_spacing(spacing, diameter, notes).diameter(s), usual.diameter(s), 0.03)
+          << spacing << " " << s;
+}
+
+TEST(Reference, OfAVesselWithoutAHealthyStretchHasAQuarterOfItAbove) {
+  // Like a real left artery with a funnel at its start and an ectasia: nowhere do 4 mm of it follow one line.
+  const std::vector<double> diameters{4.3, 3.3, 3.6, 2.5, 2.9, 2.2, 2.5, 1.8, 3.9, 1.9, 2.1, 1.5, 1.8, 1.3, 1.3};
+  const auto irregular = [&](double s) {
+    const auto k = static_cast<std::size_t>(s / 3);
+    return std::lerp(diameters[k], diameters[k + 1], s / 3 - static_cast<double>(k));
+  };
+  for (double spacing : {0.25, 0.5}) {
+    std::vector<Repair> notes;
+    const ReferenceProfile profile = profile_at_spacing(spacing, irregular, notes);
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_TRUE(notes[0].warning);
+    EXPECT_EQ(notes[0].what, "no healthy stretch for the reference");
+    int above = 0;
+    for (int i = 0; i < 400; ++i)
+      above += irregular(0.1 * i) > profile.diameter(0.1 * i);
+    EXPECT_NEAR(above, 100, 20);
+    EXPECT_LT(profile.diameter(0), 1.25 * 4.3);
+  }
+}
+
 TEST(Reference, DoesNotWidenAlongTheVessel) {
   const ReferenceProfile profile = profile_of([](double s) { return 2 + 0.02 * s; });
   EXPECT_EQ(profile.line.slope, 0);
