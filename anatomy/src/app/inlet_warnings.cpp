@@ -22,21 +22,6 @@ constexpr double turning_back_degrees = 100;
 constexpr double direction_radii = 4; // directions are taken over so many radii of a branch
 
 // Each of the following ..._doubt() functions returns a reason to doubt the inlet as text, or an empty text.
-std::string wide_end_doubt(const std::vector<End>& ends) {
-  const End *inlet = nullptr, *other = nullptr;
-  for (const End& end : ends)
-    if (end.inlet)
-      inlet = &end;
-    else if (!other || end.area > other->area)
-      other = &end;
-  if (!inlet || !other || other->radius() < equal_width_ratio * inlet->radius())
-    return "";
-  char text[160];
-  std::snprintf(text, sizeof text, "it is %.2f mm wide, the end at %s %.2f mm", 2 * inlet->radius(),
-                point_text(other->centre).c_str(), 2 * other->radius());
-  return text;
-}
-
 // The healthy width (mm) of a part of a vessel with these inscribed radii (mm).
 double healthy_width(std::vector<double> radii) {
   const auto at = static_cast<std::ptrdiff_t>(healthy_quantile * static_cast<double>(radii.size() - 1));
@@ -108,6 +93,21 @@ std::pair<double, double> greatest_turn(const Branch& branch, double s, double l
 }
 
 } // namespace
+
+std::string wide_end_doubt(const std::vector<End>& ends) {
+  const End *inlet = nullptr, *other = nullptr;
+  for (const End& end : ends)
+    if (end.inlet)
+      inlet = &end;
+    else if (!other || end.area > other->area)
+      other = &end;
+  if (!inlet || !other || other->radius() < equal_width_ratio * inlet->radius())
+    return "";
+  char text[160];
+  std::snprintf(text, sizeof text, "it is %.2f mm wide, the end at %s %.2f mm", 2 * inlet->radius(),
+                point_text(other->centre).c_str(), 2 * other->radius());
+  return text;
+}
 
 void warn_of_narrow_inlet(const std::vector<End>& ends, std::vector<Repair>& notes) {
   const auto inlet = std::find_if(ends.begin(), ends.end(), [](const End& end) { return end.inlet; });

@@ -4,6 +4,9 @@
 
 namespace anatomy {
 
+/// A reason to doubt that the largest end is the inlet, as text: another end is about as wide. Empty if none is.
+std::string wide_end_doubt(const std::vector<End>& ends);
+
 /// Adds a warning to `notes` if the inlet, which was chosen as the largest end, may be another end. The largest end is
 /// not the inlet where the ostium is narrowed. There are four reasons:
 /// - another end is about as wide as the inlet;

@@ -1,4 +1,5 @@
 // The program lumen: checks, repairs, remeshes and measures a coronary lumen surface.
+#include "app/inlet_warnings.hpp"
 #include "app/process.hpp"
 #include "app/vtk_output.hpp"
 #include "common/command_line.hpp"
@@ -96,12 +97,15 @@ std::vector<const CoronaryTree*> trees_to_check(const ClosedSurface& closed, con
 std::string inlet_line(const PreparedLumen& prepared) {
   if (prepared.ends.size() < 2 || tagged_inlet(prepared.input))
     return "";
-  const End& inlet = prepared.ends[inlet_of(prepared.ends, prepared.named.inlet)];
+  std::vector<End> ends = prepared.ends;
+  End& inlet = ends[inlet_of(ends, prepared.named.inlet)];
+  inlet.inlet = true;
   char line[160];
   std::snprintf(line, sizeof line, "inlet: %s, diameter %.2f mm, %s\n", point_text(inlet.centre).c_str(),
                 2 * inlet.radius(),
                 prepared.named.inlet ? "named" : "since it is the largest end; --inlet names another");
-  return line;
+  const std::string doubt = prepared.named.inlet ? "" : wide_end_doubt(ends);
+  return line + (doubt.empty() ? "" : "warning: the inlet is chosen by its width alone: " + doubt + "\n");
 }
 
 void check(const Options& options, const std::string& repaired, const std::string& ends) {

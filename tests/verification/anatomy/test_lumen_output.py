@@ -51,3 +51,14 @@ def test_two_runs_into_one_folder_do_not_share_files(process, tmp_path):
     process(surface, tmp_path / "out")
     assert other.read_text() == "begun" and (tmp_path / "out" / "lumen.vtp").exists()
     assert [path.name for path in (tmp_path / "out").glob(".partial-*")] == [other.name]
+
+
+@pytest.mark.parametrize(
+    "taper, options, doubted", [(0.0, (), True), (0.02, (), False), (0.0, ("--inlet", "0,0,0"), False)]
+)
+def test_check_says_where_the_inlet_is_chosen_by_its_width_alone(binary, tmp_path, taper, options, doubted):
+    surface = surfaces.write(tmp_path / "t.stl", *surfaces.tube(surfaces.straight, lambda s: 1.5 - taper * s, 20))
+    command = [str(binary("lumen")), "check", str(surface), "--units", "mm", *options]
+    done = subprocess.run(command, text=True, capture_output=True)
+    assert done.returncode == 0 and "inlet: " in done.stdout, done.stderr
+    assert ("warning: the inlet is chosen by its width alone: it is 2.9" in done.stdout) == doubted, done.stdout
