@@ -38,6 +38,10 @@ def run(case_file, anatomy_folder, devices_folder, out):
             print(f"warning: {case_file}: plan: {sentence}", file=sys.stderr)
         for other in remarks.of_reference(reference["reference"]):
             print(f"{case_file}: plan: {other}", file=sys.stderr)
+    listed = procedure(steps, families, summary, str(case_file))
+    if not request:
+        for sentence in remarks.of_device_sizes(listed, read_sections(anatomy_folder)):
+            print(f"warning: {case_file}: plan: {sentence}", file=sys.stderr)
     relative = os.path.relpath(anatomy_folder.resolve(), out.resolve().parent)
     document = {
         "schema": "vci-scene-1",
@@ -46,7 +50,7 @@ def run(case_file, anatomy_folder, devices_folder, out):
         "centreline": f"{relative}/centreline.vtp",
         "patient": {"map_pa": mean_arterial_pressure_pa(case["patient"])},
         **reference,
-        **procedure(steps, families, summary, str(case_file)),
+        **listed,
     }
     write_json(out, document)
 

@@ -1,4 +1,4 @@
-"""Remarks on a proposed plan: disease that it leaves untreated, and places where it could not follow its rules."""
+"""Remarks on a plan: disease that a proposal leaves untreated, rules that it could not follow, devices far too wide."""
 
 import numpy as np
 
@@ -8,6 +8,9 @@ from .profile import CAP_MARGIN_MM
 WIDE_BRANCH_MM = 2.0  # diameter from which a side branch under a stent is usually treated too
 TOLERANCE_MM = 0.05  # a margin short by this little gives no remark; an end this near to a limit counts as at it
 LANDING_PERCENT = 15  # a stent's end in a lumen farther off the reference, by diameter, gives a remark
+# A device of a listed plan this many times as wide as the healthy vessel round it gives a remark. In practice
+# balloons are at most about 1.2 times as wide.
+LARGEST_DEVICE_RATIO = 1.4
 DIFFUSE_PERCENT, DIFFUSE_MM = 10, 5.0  # least diameter stenosis beside a stent, and its least length, for a remark
 
 
@@ -35,6 +38,28 @@ def _balloon_alone(one):
         f" ({one.no_stent_error.value}). The vessel recoils more than with a stent, and may dissect. Check the file's"
         " units; a stent of that width in config/devices would be planned"
     )
+
+
+def of_device_sizes(plan, sections):
+    """Yields a sentence for each device of a listed plan that is far wider than the vessel, as by a slip of the pen.
+
+    plan: result of plan.procedure(). sections: result of lumen_results.read_sections().
+    """
+    for step in plan["procedure"]:
+        for use in step["devices"]:
+            device = plan["devices"][use["device"]]
+            half = device["length_mm"] / 2
+            healthy = [
+                row["reference_diameter_mm"]
+                for row in sections.get(use["branch"], ())
+                if abs(row["s_mm"] - use["centre_s_mm"]) <= half
+            ]
+            if healthy and device["nominal_diameter_mm"] > LARGEST_DEVICE_RATIO * max(healthy):
+                yield (
+                    f"{step['name']}: {use['device']} is {device['nominal_diameter_mm']:.2f} mm wide,"
+                    f" {device['nominal_diameter_mm'] / max(healthy):.1f} times the healthy vessel there"
+                    f" ({max(healthy):.2f} mm)"
+                )
 
 
 def of_reference(reference):

@@ -5,7 +5,7 @@ import json
 import pytest
 from narrowed_vessels import measured_vessel, focal, plateau, worst_of
 
-from anatomy.planning import proposal, remarks
+from anatomy.planning import plan, proposal, remarks
 
 
 def said(families, *narrowings, treat="culprit", **shape):
@@ -108,3 +108,14 @@ def test_the_command_says_them(run_module, repo_root, written, tmp_path):
     assert done.returncode == 0 and "warning: " in done.stderr and "34.0 % only" in done.stderr
     (kept,) = json.loads((tmp_path / "plan.json").read_text())["reference"]["remarks"]
     assert kept in done.stderr
+
+
+def test_a_device_far_wider_than_the_vessel_is_named(families):
+    """A vessel of 3 mm: 4 mm is within the ratio of 1.4, 4.5 mm is not."""
+    summary, sections = measured_vessel(healthy=lambda s: 3.0 + 0 * s)
+    found = []
+    for diameter in (4.0, 4.5):
+        device = {"device": "des", "diameter_mm": diameter, "length_mm": 18, "lesion": 1, "pressure_bar": 11}
+        listed = plan.procedure([{"action": "stent", "devices": [device]}], families, summary, "case")
+        found.append(list(remarks.of_device_sizes(listed, sections)))
+    assert found == [[], ["stent: des_4.50x18 is 4.50 mm wide, 1.5 times the healthy vessel there (3.00 mm)"]]
