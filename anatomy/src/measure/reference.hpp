@@ -45,10 +45,9 @@ struct ReferenceProfile {
 /// - One more step, of the size that the sections show, is taken if that finds many more healthy sections. It is no
 ///   deeper than past a fork into two equal branches, or at a closed stub into two unequal ones. Where no branch
 ///   leaves, the step is taken for a branch that is missing in the surface.
-/// - If fewer than 8 sections are healthy by the best profile, the vessel has no healthy stretch. The profile is then
-/// the
-///   line above three quarters of the sections, with a warning. No line exceeds the widest section by more than a
-///   quarter.
+/// - If fewer than 8 sections are healthy by the best profile, and less than a quarter, no stretch is healthy. The
+///   profile is then the line above three quarters of the sections, with a warning. No line is wider at its start than
+///   1.25 times the widest section.
 /// - A branch with fewer than 8 such sections has a constant profile, twice the median of its inscribed radius.
 /// `notes` takes a warning of each dilatation, ectasia and step without a branch, and a note of each constant profile.
 /// If twice as many sections as the healthy ones lie on a narrower line, a warning gives the diameter by that line too.

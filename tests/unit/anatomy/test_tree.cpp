@@ -403,11 +403,11 @@ TEST(Reference, IsFoundWhereNoneOfTheWideSectionsIsDrawn) {
   EXPECT_NEAR(reference_profiles(branches, sections, notes)[0].diameter(20), 2.6, 0.05);
 }
 
-// Reference profile of a single vessel of 40 mm with the given diameters, from sections at a spacing (mm).
+// Reference profile of a single vessel with the given diameters, from sections at a spacing over its length (mm).
 ReferenceProfile profile_at_spacing(double spacing, const std::function<double(double)>& diameter,
-                                    std::vector<Repair>& notes) {
+                                    std::vector<Repair>& notes, double length = 40) {
   std::vector<Branch> branches(1);
-  std::vector<Section> sections(static_cast<std::size_t>(40 / spacing));
+  std::vector<Section> sections(static_cast<std::size_t>(length / spacing));
   for (std::size_t i = 0; i < sections.size(); ++i) {
     branches[0].s.push_back(spacing * static_cast<double>(i));
     sections[i].sample = i;
@@ -449,6 +449,13 @@ TEST(Reference, OfAVesselWithoutAHealthyStretchHasAQuarterOfItAbove) {
     EXPECT_NEAR(above, 100, 20);
     EXPECT_LT(profile.diameter(0), 1.25 * 4.3);
   }
+}
+
+TEST(Reference, OfAShortBranchNeedsNoLongHealthyStretch) {
+  std::vector<Repair> notes;
+  const auto rough = [](double s) { return 2.0 * (1 + 0.02 * std::sin(5 * s)); };
+  EXPECT_NEAR(profile_at_spacing(0.5, rough, notes, 6).diameter(3), 2.0, 0.05);
+  EXPECT_TRUE(notes.empty());
 }
 
 TEST(Reference, DoesNotWidenAlongTheVessel) {
