@@ -13,6 +13,9 @@ import pytest
 
 SNAKEMAKE = "/usr/bin/snakemake"
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+# The rules that show or record a case's results: they run again when any of its figures or plans is new, since seconds,
+# commands and the revision are a part of the study's record.
+RECORD = {"timings", "seconds", "software", "provenance", "numbers", "report", "crate"}
 FOLDERS = ("devices", "frames", "assets", "cases", "data", "figures")  # names of the rules' outputs that are folders
 NOT_COPIED = shutil.ignore_patterns(
     ".git", "build", "build-*", "results", ".snakemake", "__pycache__", "data", ".pytest_cache"
