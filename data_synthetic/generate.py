@@ -18,22 +18,35 @@ LARGEST_RMS_ERROR_MM = 0.001  # root mean square distance of the surface's wall 
 
 
 def plaque_at(branches, points_mm):
-    """(thickness mm (n,), type (n,)) of the plaque behind wall points (n, 3), from the branch nearest to each."""
-    best = np.full(len(points_mm), np.inf)
+    """(thickness mm (n,), type (n,)) of the plaque behind wall points (n, 3), by the branch nearest to each.
+
+    A side branch first runs through the plaque of its parent. There the parent's plaque surrounds the side branch, and
+    reaches from the point to the parent's healthy wall.
+    """
+    behind = {branch.name: _plaque_of_branch(branch, points_mm) for branch in branches}
+    nearest = np.argmin([distance for _, distance, _ in behind.values()], axis=0)
     thickness, kind = np.zeros(len(points_mm)), np.zeros(len(points_mm), np.int32)
-    for branch in branches:
-        s = np.clip(branch.axis.nearest(points_mm), 0, branch.axis.length_mm)
-        offset = points_mm - branch.axis.point(s)
-        distance = np.abs(np.linalg.norm(offset, axis=1) - branch.radius(s))
-        _, normal, binormal = branch.axis.frame(s)
-        theta = np.arctan2(np.sum(offset * binormal, axis=1), np.sum(offset * normal, axis=1))
-        t = branch.plaque_thickness(s, theta)
-        k = np.where(branch.calcium_share(s, theta) > 0.5, CALCIFIED, branch.uncalcified_type(s))
-        nearer = distance < best
-        best = np.where(nearer, distance, best)
-        thickness, kind = np.where(nearer, t, thickness), np.where(nearer, k, kind)
+    for number, branch in enumerate(branches):
+        own = nearest == number
+        thickness[own], kind[own] = behind[branch.name][0][own], behind[branch.name][2][own]
+        if branch.parent:
+            of_parent, beyond_lumen, kind_of_parent = behind[branch.parent]
+            remaining = of_parent - beyond_lumen
+            thicker = own & (remaining > thickness)
+            thickness[thicker], kind[thicker] = remaining[thicker], kind_of_parent[thicker]
     thickness = np.where(thickness > 0.01, thickness, 0.0)
     return thickness, np.where(thickness > 0, kind, NONE)
+
+
+def _plaque_of_branch(branch, points_mm):
+    """(thickness mm (n,) of a branch's plaque, distance mm (n,) from its lumen's wall, type (n,)) at points (n, 3)."""
+    s = np.clip(branch.axis.nearest(points_mm), 0, branch.axis.length_mm)
+    offset = points_mm - branch.axis.point(s)
+    distance = np.abs(np.linalg.norm(offset, axis=1) - branch.radius(s))
+    _, normal, binormal = branch.axis.frame(s)
+    theta = np.arctan2(np.sum(offset * binormal, axis=1), np.sum(offset * normal, axis=1))
+    kind = np.where(branch.calcium_share(s, theta) > 0.5, CALCIFIED, branch.uncalcified_type(s))
+    return branch.plaque_thickness(s, theta), distance, kind
 
 
 def check_narrowest_radius(branches, spacing_mm, where):

@@ -41,6 +41,13 @@ void interpolate_plaque(const Mesh& mesh, vtkPolyData* input, vtkDataArray* thic
   }
 }
 
+// Thickness (mm) between the point p and the healthy wall of a branch, along the ray from its axis; not positive
+// outside the healthy lumen.
+double depth_in_healthy_lumen(const Vec3& p, const Branch& branch, const ReferenceProfile& profile) {
+  const NearestAxis near = nearest_axis(branch, p);
+  return 0.5 * profile.diameter(branch.s[near.sample]) - near.distance;
+}
+
 // Sets plaque to 0 at the inner vertices of caps, which are not wall.
 void clear_plaque_on_caps(const Mesh& mesh, LumenArrays& arrays) {
   const RegionMap region = region_map(mesh);
@@ -66,7 +73,12 @@ LumenArrays lumen_arrays(const Mesh& mesh, const std::vector<Branch>& branches,
     const Branch& branch = branches[near.branch];
     arrays.radius_mm[v] = branch.radius[near.sample];
     arrays.reference_radius_mm[v] = 0.5 * profiles[near.branch].diameter(branch.s[near.sample]);
-    arrays.plaque_thickness_mm[v] = std::max(0.0, arrays.reference_radius_mm[v] - near.distance);
+    double thickness = arrays.reference_radius_mm[v] - near.distance;
+    // A side branch first runs through the plaque of its parent, which reaches to the parent's healthy wall.
+    if (branch.parent >= 0)
+      thickness = std::max(
+          thickness, depth_in_healthy_lumen(vec(mesh.point(v)), branches[branch.parent], profiles[branch.parent]));
+    arrays.plaque_thickness_mm[v] = std::max(0.0, thickness);
     arrays.plaque_type[v] = arrays.plaque_thickness_mm[v] > 0 ? 1 : 0;
   }
   for (Face f : mesh.faces()) {

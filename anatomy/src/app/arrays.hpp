@@ -14,8 +14,9 @@ struct LumenArrays {
 
 /// Makes the arrays for the remeshed surface `mesh`, which must have no removed elements. If the `input` surface has
 /// the arrays plaque_thickness_mm and plaque_type, plaque is interpolated from its nearest triangle. Else the thickness
-/// is the reference radius minus the distance to the axis, if positive, and the type is 1 where there is plaque. At
-/// vertices inside caps plaque is 0.
+/// is the reference radius minus the distance to the axis, if positive, and the type is 1 where there is plaque. Where
+/// a side branch runs inside the healthy lumen of its parent, the parent's reference radius and axis count if they give
+/// more. At vertices inside caps plaque is 0.
 LumenArrays lumen_arrays(const Mesh& mesh, const std::vector<Branch>& branches,
                          const std::vector<ReferenceProfile>& profiles, vtkPolyData* input);
 

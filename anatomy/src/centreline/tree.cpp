@@ -258,20 +258,36 @@ std::vector<Branch> build_tree(const std::vector<Path>& paths, std::vector<End>&
   return branches;
 }
 
+namespace {
+
+// Replaces `nearest` by a sample of the branch to whose inscribed ball p is nearer than `least`, which is then updated.
+void search_branch(const Branch& branch, std::size_t index, const Vec3& p, NearestAxis& nearest, double& least) {
+  for (std::size_t i = 0; i < branch.x.size(); ++i) {
+    if (branch.s[i] < branch.s_outside)
+      continue;
+    const double d2 = (branch.x[i] - p).squaredNorm();
+    const double power = d2 - branch.radius[i] * branch.radius[i];
+    if (power < least) {
+      least = power;
+      nearest = {index, i, std::sqrt(d2)};
+    }
+  }
+}
+
+} // namespace
+
 NearestAxis nearest_axis(const std::vector<Branch>& branches, const Vec3& p) {
   NearestAxis nearest{0, 0, 1e300};
   double least = 1e300;
   for (std::size_t b = 0; b < branches.size(); ++b)
-    for (std::size_t i = 0; i < branches[b].x.size(); ++i) {
-      if (branches[b].s[i] < branches[b].s_outside)
-        continue;
-      const double d2 = (branches[b].x[i] - p).squaredNorm();
-      const double power = d2 - branches[b].radius[i] * branches[b].radius[i];
-      if (power < least) {
-        least = power;
-        nearest = {b, i, std::sqrt(d2)};
-      }
-    }
+    search_branch(branches[b], b, p, nearest, least);
+  return nearest;
+}
+
+NearestAxis nearest_axis(const Branch& branch, const Vec3& p) {
+  NearestAxis nearest{0, 0, 1e300};
+  double least = 1e300;
+  search_branch(branch, 0, p, nearest, least);
   return nearest;
 }
 

@@ -22,7 +22,7 @@ struct Branch {
 
 /// The sample of an axis that is nearest to a point.
 struct NearestAxis {
-  std::size_t branch; ///< index of the branch
+  std::size_t branch; ///< index of the branch; 0 if only one branch was searched
   std::size_t sample; ///< index in its samples
   double distance;    ///< mm, from the point to the sample
 };
@@ -40,5 +40,7 @@ std::vector<Branch> build_tree(const std::vector<Path>& paths, std::vector<End>&
 /// Finds the sample to whose inscribed ball p is nearest. This sample has the least d^2 - R^2 (VMTK's tube function),
 /// with its distance d from p and its inscribed radius R. Samples of a branch inside its parent's tube are left out.
 NearestAxis nearest_axis(const std::vector<Branch>& branches, const Vec3& p);
+/// The same for one branch alone.
+NearestAxis nearest_axis(const Branch& branch, const Vec3& p);
 
 } // namespace anatomy

@@ -8,10 +8,11 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
 from common.errors import InputError
-from common.plaque_types import CALCIFIED, FIBROUS, NONE
+from common.plaque_types import CALCIFIED, FIBROUS, LIPID, NONE
 from data_synthetic import __main__ as command
 from common.implicit import field, surface
 from data_synthetic import disease, generate, tree, truth
+from tests.unit.data_synthetic import vessels
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 CASE = ROOT / "config/cases/quick_branch.yaml"
@@ -42,6 +43,32 @@ def test_plaque_lies_in_the_lesion_only(made):
     assert thickness.max() > 1 and np.all(thickness[(s < start - 0.2) | (s > end + 0.2)] == 0)
     assert set(np.unique(kind)) == {NONE, FIBROUS, CALCIFIED}
     assert np.array_equal(kind > 0, thickness > 0)
+
+
+def test_a_side_branch_in_a_lesion_runs_through_plaque():
+    """On the axis's side of the parent's healthy wall, plaque reaches from the side branch's wall to that wall."""
+    changes = {
+        "centre_s_mm": 15,
+        "length_mm": 10,
+        "diameter_stenosis_percent": 70,
+        "eccentricity": 0,
+        "plaque": "lipid",
+    }
+    side_branch = {"s_mm": 15, "diameter_mm": 1.6, "length_mm": 7.5, "azimuth_deg": 40, "angle_deg": 80}
+    main, side = tree.grow(vessels.vessel(side_branches=[side_branch], lesions=[changes]), "")
+    s = np.linspace(0.3, 4, 60)
+    _, normal, binormal = side.axis.frame(s)
+    turn = np.linspace(0, 8 * np.pi, 60)[:, None]
+    radius = side.radius(s)[:, None]
+    points = side.axis.point(s) + radius * (np.cos(turn) * normal + np.sin(turn) * binormal)
+    thickness, kind = generate.plaque_at([main, side], points)
+    at = main.axis.nearest(points)
+    off_axis = np.linalg.norm(points - main.axis.point(at), axis=1)
+    depth = main.healthy_radius(at) - off_axis
+    inside, beyond = (depth > 0.05) & (off_axis > main.radius(at)), depth < -0.05
+    assert inside.sum() > 5 and beyond.sum() > 20
+    assert thickness[inside] == pytest.approx(depth[inside], abs=1e-6) and set(kind[inside]) == {LIPID}
+    assert not thickness[beyond].any()
 
 
 def test_truth_states_what_was_asked(made):

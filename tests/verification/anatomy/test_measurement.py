@@ -244,6 +244,29 @@ def test_earlier_names_are_kept(process, tmp_path):
     assert vtk_to_numpy(carried).max() == pytest.approx(before.max(), abs=0.05)
 
 
+def test_a_side_branch_in_a_lesion_runs_through_plaque(process, tmp_path):
+    """Its wall lies in the plaque of the narrowed vessel as far as that vessel's healthy radius."""
+    narrowed = [
+        ((0, 0, 0), (14, 0, 0), 1.7, 1.7),
+        ((14, 0, 0), (20, 0, 0), 1.7, 0.7),
+        ((20, 0, 0), (26, 0, 0), 0.7, 1.7),
+    ]
+    segments = [*narrowed, ((26, 0, 0), (40, 0, 0), 1.7, 1.7), ((20, 0, 0), (20, 9, 0), 0.6, 0.6)]
+    surface = surfaces.write(tmp_path / "tree.vtp", *surfaces.tree(segments, inner=(0, 1, 2)))
+    summary, _ = process(surface, tmp_path / "out", "--inlet", "0,0,0")
+    assert [b["name"] for b in summary["branches"]] == ["main", "side1"]
+    lumen = surfaces.read(tmp_path / "out" / "lumen.vtp")
+    points, triangles = surfaces.arrays(lumen)
+    branch = vtk_to_numpy(lumen.GetCellData().GetArray("branch_id"))
+    plaque = vtk_to_numpy(lumen.GetPointData().GetArray("plaque_thickness_mm"))
+    side = np.setdiff1d(triangles[branch == 1], triangles[branch == 0])
+    off_axis = np.hypot(points[side, 1], points[side, 2])
+    inside, beyond = off_axis < 1.6, off_axis > 1.8
+    assert inside.sum() > 20 and beyond.sum() > 100
+    assert np.abs(plaque[side][inside] - (1.7 - off_axis[inside])).max() < 0.12
+    assert plaque[side][beyond].max() < 0.05
+
+
 def test_plaque_is_carried_over_from_where_it_is(process, tmp_path):
     """A thickness that is linear in space, so that interpolation at the nearest point is exact."""
     points, triangles = surfaces.tube(surfaces.arc(0.05), lambda s: 1.6 - 0.01 * s, 20, 0.25)
