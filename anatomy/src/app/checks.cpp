@@ -19,7 +19,6 @@ constexpr double smallest_angle = 30; // a smaller corner of a triangle (degrees
 // If the wall's rms scatter reaches this (in mean edges), ends may not be seen. Flat ends are found until noise tilts
 // the triangles by about 12 degrees.
 constexpr double rough_scatter = 0.15;
-constexpr double least_stub = 0.4;    // least prominence of a tip that counts as a stub, in mean radii
 constexpr double least_wide_stub = 1; // least prominence of a stub that may be the inlet, in mean radii
 constexpr double rim_radii = 2;       // a tip farther from an end's centre (in its radii) is not at the end's rim
 // A closed branch that stands out by more than this (in its radii) is a tube. A sac is as wide as it is long.
@@ -57,7 +56,7 @@ void check_no_handle(Mesh& mesh, long most_handles) {
 }
 
 void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool all_named, std::vector<Repair>& repairs) {
-  for (const RoundedEnd& end : rounded_ends(mesh, ends, least_stub, true)) {
+  for (const RoundedEnd& end : rounded_ends(mesh, ends, least_stub_prominence, true)) {
     if (end.widest_ball < narrowest_stub || end.prominence < end.widest_ball)
       continue;
     char value[160];
@@ -95,7 +94,7 @@ void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::ve
   for (const EndCandidate& one : candidates)
     if (one.kind == "rounded")
       warned_tips.push_back(one.centre);
-  for (const Tip& tip : tips_beside_ends(mesh, ends, least_stub * mean)) {
+  for (const Tip& tip : tips_beside_ends(mesh, ends, least_stub_prominence * mean)) {
     const Vec3 at = vec(mesh.point(tip.vertex));
     if (tip.is_extremity && is_away_from_ends(at, ends)) {
       char value[80];
@@ -107,19 +106,16 @@ void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::ve
     if (std::any_of(warned_tips.begin(), warned_tips.end(), [&](const Vec3& p) { return (p - at).norm() < mean; }))
       continue;
     warned_tips.push_back(at);
-    char detail[240];
-    std::snprintf(
-        detail, sizeof detail,
-        "at %s: it stands out by %.2f mm and counts as wall; if it is a branch, cut it flat or open it in the "
-        "surface, or name it among all outlets by --outlet",
-        point_text(at).c_str(), tip.prominence);
-    repairs.push_back({"stub left closed", 1, detail, true});
+    char detail[120];
+    std::snprintf(detail, sizeof detail, "at %s: it stands out by %.2f mm and counts as wall; ", point_text(at).c_str(),
+                  tip.prominence);
+    repairs.push_back({"stub left closed", 1, detail + stub_remedy, true});
   }
 }
 
 std::vector<Vec3> stub_tips(const Mesh& mesh, const std::vector<End>& ends) {
   std::vector<Vec3> out;
-  for (const Tip& tip : tips_beside_ends(mesh, ends, least_stub * mean_radius(mesh)))
+  for (const Tip& tip : tips_beside_ends(mesh, ends, least_stub_prominence * mean_radius(mesh)))
     if (const Vec3 at = vec(mesh.point(tip.vertex)); is_away_from_ends(at, ends))
       out.push_back(at);
   return out;

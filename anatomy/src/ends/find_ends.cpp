@@ -23,10 +23,8 @@ constexpr double flat_naming_radii = 3; // a point within so many radii of a fla
 // A point this near to a tip (in radii of the tip's last ball) names the tip. The ball's centre lies a radius behind
 // it.
 constexpr double tip_naming_radii = 4;
-constexpr int most_walls_shown = 12; // largest number of candidates taken for wall that are shown
-// Least prominence (in mean radii) of a tip that may be an end: if the user names no end, and if the user names ends.
-constexpr double least_prominence_unnamed = 2;
-constexpr double least_prominence_named = 1;
+constexpr int most_walls_shown = 12;           // largest number of candidates taken for wall that are shown
+constexpr double least_prominence_unnamed = 2; // least prominence (in mean radii) of a tip that is an end unnamed
 
 // A candidate, with the faces or the cut that make it an end.
 struct CandidatePlace {
@@ -310,7 +308,7 @@ std::vector<EndCandidate> find_ends(Mesh& mesh, NamedEnds named, double least_ra
   const bool all_named = !named.outlets.empty();
   const bool any_named = all_named || named.inlet;
   for (const RoundedEnd& end :
-       rounded_ends(mesh, ends, any_named ? least_prominence_named : least_prominence_unnamed, any_named)) {
+       rounded_ends(mesh, ends, any_named ? least_stub_prominence : least_prominence_unnamed, any_named)) {
     if (!end.is_reachable && end.too_short_reason.empty() && !named.tagged && !all_named)
       throw InputError("no way through the lumen to a rounded end", point_text(end.position),
                        "it stands out by " + std::to_string(end.prominence) + " mm",
@@ -324,10 +322,11 @@ std::vector<EndCandidate> find_ends(Mesh& mesh, NamedEnds named, double least_ra
   warn_of_closed_ends(places, repairs);
   for (const CandidatePlace& one : places)
     if (one.is_rounded() && !one.candidate.is_end && (named.tagged || one.is_stub()))
-      repairs.push_back({"rounded end left closed", 1,
-                         "at " + point_text(one.rounded.position) + ": " +
-                             (named.tagged ? "the surface's caps are its ends" : one.rounded.too_short_reason),
-                         true});
+      repairs.push_back(
+          {"rounded end left closed", 1,
+           "at " + point_text(one.rounded.position) + ": " +
+               (named.tagged ? "the surface's caps are its ends" : one.rounded.too_short_reason + "; " + stub_remedy),
+           true});
   tagged_ends(mesh, places);
   cut_rims(mesh, places, repairs);
   for (const CandidatePlace& one : places)

@@ -7,6 +7,12 @@
 
 namespace anatomy {
 
+/// Least prominence of a tip that counts as a stub, in mean radii. A stub is wall unless the user names it as an end.
+constexpr double least_stub_prominence = 0.4;
+/// What a user can do about a stub that is left closed.
+inline const std::string stub_remedy =
+    "if it is a branch, cut it flat or open it in the surface, or name it among all outlets by --outlet";
+
 /// What the user says about the ends.
 struct NamedEnds {
   std::optional<Vec3> inlet; ///< mm, a point near the inlet

@@ -12,21 +12,22 @@ from scipy.spatial import cKDTree
 
 @pytest.fixture(scope="module")
 def process(binary, shared_data, tmp_path_factory):
-    """process(name) -> (summary, rows, points, triangles); each surface once."""
+    """process(name, *options) -> (summary, rows, points, triangles); each surface and its options once."""
     lumen, done = binary("lumen"), {}
 
-    def run(name):
-        if name not in done:
-            out = tmp_path_factory.mktemp(name)
-            command = [str(lumen), "process", str(shared_data / f"{name}.stl"), "--units", "mm", "--out", str(out)]
+    def run(name, *options):
+        if (name, *options) not in done:
+            out = tmp_path_factory.mktemp(name.replace("/", "_"))
+            surface = shared_data / f"{name}.stl"
+            command = [str(lumen), "process", str(surface), "--units", "mm", *options, "--out", str(out)]
             result = subprocess.run(command, text=True, capture_output=True)
             assert result.returncode == 0, result.stderr
             with (out / "sections.csv").open() as file:
                 rows = list(csv.DictReader(file))
             summary = json.loads((out / "anatomy.json").read_text())
-            done[name] = (summary, rows, *surfaces.arrays(surfaces.read(out / "lumen.vtp")))
+            done[name, *options] = (summary, rows, *surfaces.arrays(surfaces.read(out / "lumen.vtp")))
             run.folders[name] = out
-        return done[name]
+        return done[name, *options]
 
     run.folders = {}
     return run
@@ -103,6 +104,16 @@ def test_a_closed_stub_is_told(binary, shared_data):
     assert len(told) == 1
     place = [float(x) for x in told[0].split("at (")[1].split(")")[0].split(", ")]
     assert np.linalg.norm(np.subtract(place, (2.1, -196.9, 1666.6))) < 1.5  # where the branch's centreline ends
+
+
+def test_a_closed_stub_is_an_outlet_once_named(process):
+    outlets = ["2.74,-186.57,1679.54", "4.81,-222.59,1661.03", "-11.15,-253.77,1697.69", "1.88,-196.40,1666.85"]
+    named = [word for point in outlets for word in ("--outlet", point)]
+    summary, *_ = process("multimoda/rca_tree_mm", *named)
+    assert len(summary["branches"]) == 4
+    stub = summary["ends"][-1]
+    assert np.linalg.norm(np.subtract(stub["centre_mm"], (1.88, -196.40, 1666.85))) < 2.5
+    assert stub["diameter_mm"] == pytest.approx(2.0, abs=0.2)
 
 
 def sharpest_fold(points, triangles):
