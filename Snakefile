@@ -4,6 +4,7 @@ import sys
 
 sys.path.insert(0, workflow.basedir)
 
+from snakemake.common import Mode
 from snakemake.exceptions import WorkflowError
 
 from common.errors import UserError
@@ -34,13 +35,16 @@ from workflow.inputs import (
 from workflow.rules.resources import WHOLE_NODE, fixed_resources, resources_by_size
 
 try:
-    STUDY = Configuration(config.get("folder", "config"))
+    STUDY = Configuration(config.get("folder", "config"), leave_out_bad_cases=True)
     COHORT = config.get("cohort", "nine")
     FAILED = config.get("failed")  # failed.json of `workflow failed`; the study leaves out the cases in it
     CASES = without_failed(STUDY.selected_cases(COHORT, config.get("cases")), FAILED)
     FAILED_ARMS = cases_of_failed_arms(FAILED)
 except UserError as error:
     raise WorkflowError(str(error)) from None
+if workflow.mode == Mode.default:  # not in the processes of the jobs
+    for name, error in STUDY.refused.items():
+        print(f"the case {name} cannot run: {error}", file=sys.stderr)
 
 INPUTS = Inputs(STUDY)
 HALF_MAXIMUM = HalfMaximum(INPUTS)

@@ -19,25 +19,27 @@ class Configuration:
     """Study, device families and cases of a folder like config/; raises InputError for anything that is not allowed.
 
     folder: holds study.yaml, devices/ and cases/. data_folder: takes the place of data/ at the
-    beginning of a case's paths.
+    beginning of a case's paths. leave_out_bad_cases: a case whose file is not allowed goes to `refused`, {name: error};
+    selected_cases() raises the error if that case is to run.
     """
 
-    def __init__(self, folder="config", data_folder=None):
+    def __init__(self, folder="config", data_folder=None, leave_out_bad_cases=False):
         self.folder = pathlib.Path(folder)
         self.data_folder = pathlib.Path(data_folder or os.environ.get("VCI_DATA_DIR") or "data")
         self.study = config.load_study(self.folder / "study.yaml")
         self.devices = config.load_devices(self.folder / "devices")
-        for file in sorted([*self.folder.glob("cases/*.yml"), *self.folder.glob("devices/*.yml")]):
-            raise InputError("ending that is not read", file, file.suffix, f"rename it {file.stem}.yaml")
-        files = sorted(self.folder.glob("cases/*.yaml"))
-        self.cases = {_case_name(file): config.load_case(file) for file in files}
+        for file in sorted(self.folder.glob("devices/*.yml")):
+            _check_ending(file)
+        self.cases, self.refused, self._valid_sections = {}, {}, set()
+        for file in sorted([*self.folder.glob("cases/*.yaml"), *self.folder.glob("cases/*.yml")]):
+            try:
+                self._add_case(file)
+            except InputError as error:
+                if not leave_out_bad_cases:
+                    raise
+                self.cases.pop(file.stem, None)
+                self.refused[file.stem] = error
         self._check_cohorts()
-        self._valid_sections = set()
-        for name, case in self.cases.items():
-            self._check_plan(name, case)
-            self._check_settings(name)
-            if case["kind"] == "synthetic":
-                patient.check(case["vessel"], str(self.case_file(name)))
 
     def cases_of_kind(self, kind):
         """Names of the cases that are `synthetic` or `surface`."""
@@ -122,7 +124,7 @@ class Configuration:
     def selected_cases(self, cohort, cases=None):
         """Names of the cases to run: `cases` ("a b" or "a,b") if given, else the cohort's.
 
-        Raises InputError for an unknown cohort or case, and for a case whose files are missing.
+        Raises InputError for an unknown cohort or case, for a refused case, and for a case whose files are missing.
         """
         cohorts = self.study["cohorts"]
         if cases:
@@ -133,6 +135,8 @@ class Configuration:
         else:
             raise InputError("no such cohort", "COHORT (or --config cohort=)", cohort, f"one of {', '.join(cohorts)}")
         for name in names:
+            if name in self.refused:
+                raise self.refused[name]
             if name not in self.cases:
                 raise InputError("no such case", where, name, f"one of {', '.join(self.cases)}")
             for key in ("lumen", "post"):
@@ -141,11 +145,20 @@ class Configuration:
                 self.cap_files(name, key)
         return list(dict.fromkeys(names))
 
+    def _add_case(self, file):
+        _check_ending(file)
+        name = _case_name(file)
+        case = self.cases[name] = config.load_case(file)
+        self._check_plan(name, case)
+        self._check_settings(name)
+        if case["kind"] == "synthetic":
+            patient.check(case["vessel"], str(file))
+
     def _check_cohorts(self):
         document = yaml_reader.read(self.folder / "study.yaml")
         for cohort, names in self.study["cohorts"].items():
             for i, name in enumerate(names):
-                if name not in self.cases:
+                if name not in self.cases and name not in self.refused:
                     where = document.where(("cohorts", cohort, i))
                     raise InputError("no such case", where, name, f"known cases: {', '.join(self.cases)}")
 
@@ -193,6 +206,11 @@ class Configuration:
                     remedy = f"give {len(COARSE_MESHES)}, the least first"
                     raise InputError("a study makes two coarser meshes", where, values["coarse_rings"], remedy)
                 check_switches(values, self.case_file(name))
+
+
+def _check_ending(file):
+    if file.suffix != ".yaml":
+        raise InputError("ending that is not read", file, file.suffix, f"rename it {file.stem}.yaml")
 
 
 def _case_name(file):

@@ -30,6 +30,14 @@ def test_refused_before_work(fresh, file, old, new, expected):
         assert words in text, text
 
 
+def test_a_bad_case_stops_no_other(fresh):
+    fresh.edit(CASE, "lvm_g: 130", "lvm_g: -130")
+    run = fresh.snakemake("--dry-run", cases="quick_branch")
+    text = run.stdout + run.stderr
+    assert run.returncode == 0 and "quick_branch: virtual deployment" in text, text
+    assert text.count("the case quick_focal cannot run: error: ") == 1 and "patient.lvm_g" in text
+
+
 def test_unknown_cohort(fresh):
     assert "one of nine, three, quick" in refusal(fresh, cohort="small")
 

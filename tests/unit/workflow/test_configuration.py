@@ -73,6 +73,18 @@ def test_refused(folder, file, old, new, expected):
         assert words in str(error.value), str(error.value)
 
 
+@pytest.mark.parametrize("name, text", [("mine", "kind: synthetic\nnonsense: 3\n"), ("Mine", "kind: synthetic\n")])
+def test_a_bad_case_is_left_out_where_asked(folder, name, text):
+    (folder / "cases" / f"{name}.yaml").write_text(text)
+    with pytest.raises(InputError):
+        Configuration(folder)
+    found = Configuration(folder, leave_out_bad_cases=True)
+    assert list(found.refused) == [name] and name not in found.cases
+    assert found.selected_cases("quick") == ["quick_focal", "quick_branch"]
+    with pytest.raises(InputError, match=name):
+        found.selected_cases("quick", name)
+
+
 def test_shipped_configuration_is_valid(folder):
     found = Configuration(folder)
     assert found.selected_cases("quick") == ["quick_focal", "quick_branch"]
