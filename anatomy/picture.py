@@ -9,11 +9,8 @@ from . import picture_file
 from .lumen_results import read_sections, read_summary
 
 POSITION = ("x_mm", "y_mm", "z_mm")
-WIDTH_INCHES, PROFILE_INCHES, LEAST_TREE_INCHES = (
-    10,  # width of the picture
-    4.5,  # height of the plot of diameters
-    3.0,  # least height of the tree
-)
+WIDTH_INCHES, LEAST_TREE_INCHES = 10, 3.0  # width of the picture, least height of the tree
+PROFILE_INCHES, LEAST_PROFILE_INCHES = 4.5, 2.0  # height of the plot of one branch's diameters: alone, and among many
 
 
 def run(anatomy_folder, out):
@@ -22,16 +19,14 @@ def run(anatomy_folder, out):
     summary, branches = read_summary(anatomy_folder), read_sections(anatomy_folder)
     project = _projection(np.vstack([_column(rows, *POSITION) for rows in branches.values()]))
     height = _tree_height_inches(project, branches)
-    figure, (tree, profile) = plt.subplots(
-        2,
-        1,
-        figsize=(WIDTH_INCHES, height + PROFILE_INCHES),
-        height_ratios=(height, PROFILE_INCHES),
-        layout="constrained",
+    groups = _groups_of_branches(summary, branches)
+    heights = [height] + [max(LEAST_PROFILE_INCHES, PROFILE_INCHES / len(groups))] * len(groups)
+    figure, (tree, *profiles) = plt.subplots(
+        len(heights), 1, figsize=(WIDTH_INCHES, sum(heights)), height_ratios=heights, layout="constrained"
     )
     figure.get_layout_engine().set(h_pad=0.1)
     labels = _draw_tree(figure, tree, project, summary, branches)
-    _draw_profile(profile, summary, branches)
+    _draw_profiles(profiles, groups, summary, branches)
     _place_labels(figure, tree, labels)
     picture_file.save(figure, out, dpi=130)
 
@@ -172,24 +167,57 @@ def _label_arc_length(axes, rows, x):
         axes.annotate(f"{mark:.0f}", x[i], xytext=(3, -9), textcoords="offset points", fontsize=7)
 
 
-def _draw_profile(axes, summary, branches):
-    for name, rows in branches.items():
-        s, diameter = _column(rows, "s_mm", "equivalent_diameter_mm").T
-        (line,) = axes.plot(s, diameter, lw=1.6, label=name)
-        axes.fill_between(
-            s, *_column(rows, "min_diameter_mm", "max_diameter_mm").T, color=line.get_color(), alpha=0.15, lw=0
-        )
-        for flag, marker in (("ostium", "x"), ("end", "|")):
-            marked = [r for r in rows if r["flag"] == flag]
-            if marked:
-                axes.plot(*_column(marked, "s_mm", "equivalent_diameter_mm").T, marker, color=line.get_color(), ms=4)
-    for number, lesion in enumerate(summary["lesions"], 1):
-        span = (lesion["s_start_mm"], lesion["s_end_mm"])
-        axes.axvspan(*span, color="crimson", alpha=0.08)
-        references = (lesion["proximal_reference_diameter_mm"], lesion["distal_reference_diameter_mm"])
-        axes.plot(span, references, "--", color="crimson")
-        text = f"lesion {number}, {lesion['branch']}: {lesion['diameter_stenosis_percent']:.0f} %"
-        axes.text(span[0], 0.02 + 0.05 * (number - 1), text, color="crimson", transform=axes.get_xaxis_transform())
-    axes.set(xlabel="s (mm)", ylabel="diameter (mm)", title="equivalent diameter; band: smallest to largest chord")
-    axes.set_ylim(bottom=0)
-    axes.legend(title="x ostium, | end")
+def _groups_of_branches(summary, branches):
+    """Names of the branches whose diameters share a plot: each branch with a lesion alone, all others together."""
+    narrowed = {lesion["branch"] for lesion in summary["lesions"]}
+    others = [name for name in branches if name not in narrowed]
+    return [[name] for name in branches if name in narrowed] + ([others] if others else [])
+
+
+def _draw_profiles(profiles, groups, summary, branches):
+    """Draws the diameters along the branches of each group in its own axes, with the same scales in all."""
+    for axes, names in zip(profiles, groups):
+        for name in names:
+            _draw_profile(axes, name, branches[name])
+        lesions = [(k, lesion) for k, lesion in enumerate(summary["lesions"], 1) if lesion["branch"] in names]
+        for place, (number, lesion) in enumerate(sorted(lesions, key=lambda one: one[1]["s_mla_mm"])):
+            _draw_lesion_span(axes, number, lesion, branches[lesion["branch"]], row=place % 2)
+        axes.legend(loc="upper right")
+        axes.set_ylabel("mm")
+        axes.sharex(profiles[0])
+        axes.sharey(profiles[0])
+        axes.tick_params(labelbottom=axes is profiles[-1])
+    profiles[0].set_ylim(bottom=0)
+    profiles[0].set_title("equivalent diameter; band: smallest to largest chord; x ostium, | end; dashed: reference")
+    profiles[-1].set_xlabel("s (mm)")
+
+
+def _draw_profile(axes, name, rows):
+    s, diameter = _column(rows, "s_mm", "equivalent_diameter_mm").T
+    (line,) = axes.plot(s, diameter, lw=1.6, label=name)
+    axes.fill_between(
+        s, *_column(rows, "min_diameter_mm", "max_diameter_mm").T, color=line.get_color(), alpha=0.15, lw=0
+    )
+    for flag, marker in (("ostium", "x"), ("end", "|")):
+        marked = [r for r in rows if r["flag"] == flag]
+        if marked:
+            axes.plot(*_column(marked, "s_mm", "equivalent_diameter_mm").T, marker, color=line.get_color(), ms=4)
+
+
+def _draw_lesion_span(axes, number, lesion, rows, row):
+    """Shades a lesion and writes its stenosis under the throat, in the first (0) or the second (1) row of labels."""
+    span = (lesion["s_start_mm"], lesion["s_end_mm"])
+    axes.axvspan(*span, color="crimson", alpha=0.08)
+    references = (lesion["proximal_reference_diameter_mm"], lesion["distal_reference_diameter_mm"])
+    axes.plot(span, references, "--", color="crimson")
+    throat = min(rows, key=lambda one: abs(one["s_mm"] - lesion["s_mla_mm"]))
+    axes.annotate(
+        f"{number}: {lesion['diameter_stenosis_percent']:.0f} %",
+        (throat["s_mm"], throat["equivalent_diameter_mm"]),
+        xytext=(0, -8 - 10 * row),
+        textcoords="offset points",
+        ha="center",
+        va="top",
+        fontsize=8,
+        color="crimson",
+    )
