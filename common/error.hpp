@@ -39,6 +39,15 @@ public:
       : std::runtime_error(error_message(what, where, value, remedy)) {}
 };
 
+/// A file cannot be written, for example on a full disk: the program ends with exit code 1.
+class WriteError : public std::runtime_error {
+public:
+  /// @param reason what the system says; may be empty
+  explicit WriteError(const std::string& file, const std::string& reason = "")
+      : std::runtime_error(error_message("the file cannot be written", file, reason,
+                                         "check the folder, its rights and the free space")) {}
+};
+
 /// Runs a command and turns exceptions into one message and the exit code of docs/design.md.
 template <class Command> int guarded(Command&& command) {
   try {
@@ -49,6 +58,9 @@ template <class Command> int guarded(Command&& command) {
   } catch (const ComputationError& e) {
     std::cerr << e.what() << '\n';
     return 3;
+  } catch (const WriteError& e) {
+    std::cerr << e.what() << '\n';
+    return 1;
   } catch (const std::exception& e) {
     std::cerr << "error: " << e.what()
               << "\n  remedy: this is a defect of the program; please report it with its input\n";

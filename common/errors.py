@@ -29,6 +29,15 @@ class ComputationError(UserError):
     exit_code = 3
 
 
+class WriteError(UserError):
+    """A file cannot be written, for example on a full disk: exit code 1."""
+
+    exit_code = 1
+
+    def __init__(self, path, reason):
+        super().__init__("the file cannot be written", path, reason, "check the folder, its rights and the free space")
+
+
 def guarded(main):
     """Decorator for a command's main(): prints a UserError without traceback and exits with its code."""
 

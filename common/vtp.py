@@ -6,7 +6,7 @@ import numpy as np
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 
-from common.errors import ComputationError, InputError
+from common.errors import InputError, WriteError
 from common.files import replacing
 
 
@@ -92,7 +92,7 @@ def add_array(attributes, name, values):
 
 
 def write(path, poly):
-    """Writes a vtkPolyData as .vtp, or as binary STL by the suffix .stl. Raises ComputationError if VTK cannot."""
+    """Writes a vtkPolyData as .vtp, or as binary STL by the suffix .stl. Raises WriteError if VTK cannot."""
     stl = pathlib.Path(path).suffix == ".stl"
     writer = vtk.vtkSTLWriter() if stl else vtk.vtkXMLPolyDataWriter()
     if stl:
@@ -101,4 +101,4 @@ def write(path, poly):
         writer.SetFileName(str(partial))
         writer.SetInputData(poly)
         if writer.Write() != 1:
-            raise ComputationError("the file could not be written", path, "VTK's writer failed", "look at the disk")
+            raise WriteError(path, "VTK's writer failed")

@@ -7,7 +7,7 @@ import numpy as np
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 
-from common.errors import InputError
+from common.errors import InputError, WriteError
 from common.files import replacing, write_json
 from flow.geometry import tet10
 from flow.physics.units import MM_PER_M
@@ -69,7 +69,7 @@ def write_vtu(path, points, cells, fields):
     with replacing(path) as partial:
         writer.SetFileName(str(partial))
         if writer.Write() != 1:
-            raise OSError(f"cannot write {path}")
+            raise WriteError(path, "VTK's writer failed")
 
 
 def write_all(folder, fields, table, document):

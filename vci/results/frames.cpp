@@ -67,8 +67,7 @@ void FrameWriter::finish() const {
        << entries_.str() << "  </Collection>\n</VTKFile>\n";
   file.close(); // the rest of the text is written only now, so a full disk is noticed here
   if (!file)
-    throw common::ComputationError("a file cannot be written", (folder_ / "frames.pvd").string(), "",
-                                   "check the folder and free space");
+    throw common::WriteError((folder_ / "frames.pvd").string());
 }
 
 } // namespace vci

@@ -92,7 +92,7 @@ void write_json(const fs::path& file, const nlohmann::json& document) {
   stream << document.dump(1) << '\n';
   stream.close(); // the rest of the text is written only now, so a full disk is noticed here
   if (!stream)
-    throw common::ComputationError("a file cannot be written", file.string(), "", "check the folder and free space");
+    throw common::WriteError(file.string());
 }
 
 } // namespace vci

@@ -80,7 +80,7 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   std::ofstream file(path, std::ios::binary);
   file << text;
   if (!file.flush())
-    throw common::InputError("the file cannot be written", path.string(), "", "check the folder and the free space");
+    throw common::WriteError(path.string());
 }
 
 // The diameter (mm) of the circle with the area of the vessel's cross-section at an end. A slanted cap is larger than

@@ -90,7 +90,7 @@ void write_vtp(vtkPolyData* data, const std::filesystem::path& path) {
   if (!common::write_xml(writer.Get(), path)) {
     std::error_code none;
     std::filesystem::remove(path, none);
-    throw common::InputError("the file cannot be written", path.string(), "", "check the folder and the free space");
+    throw common::WriteError(path.string());
   }
 }
 
@@ -117,12 +117,12 @@ void write_surface(const Mesh& mesh, const std::string& path) {
     writer->SetFileTypeToBinary();
     writer->SetInputData(data);
     if (!common::write_stl(writer.Get(), partial, data->GetNumberOfPolys()))
-      throw common::InputError("the file cannot be written", path, "", "check the folder and the free space");
+      throw common::WriteError(path);
   }
   std::error_code error;
   std::filesystem::rename(partial, target, error);
   if (error) // VTK could not open the file, for example, and does not report this
-    throw common::InputError("the file cannot be written", path, error.message(), "check the folder and its rights");
+    throw common::WriteError(path, error.message());
 }
 
 } // namespace anatomy

@@ -13,7 +13,7 @@ vtkSmartPointer<vtkPolyData> lumen_data(const Mesh& mesh, const LumenArrays* arr
 /// A polyline per branch with the arrays s_mm, radius_mm, curvature_per_mm, torsion_per_mm, branch_id, branch_name.
 vtkSmartPointer<vtkPolyData> centreline_data(const std::vector<Branch>& branches);
 
-/// Writes `data` as a VTP file. Throws InputError if the file cannot be written.
+/// Writes `data` as a VTP file. Throws WriteError if the file cannot be written.
 void write_vtp(vtkPolyData* data, const std::filesystem::path& path);
 
 /// Path of a temporary file beside `target`, for writing until the file is complete. Its name has the number of the

@@ -66,7 +66,7 @@ void write_polydata(const std::filesystem::path& file, vtkPolyData* data) {
   writer->SetDataModeToAppended();
   writer->EncodeAppendedDataOff();
   if (!common::write_xml(writer.Get(), file))
-    throw common::ComputationError("a file cannot be written", file.string(), "", "check the folder and free space");
+    throw common::WriteError(file.string());
 }
 
 LumenFile load_lumen(const std::filesystem::path& file) {
@@ -145,7 +145,7 @@ void write_lumen(const std::filesystem::path& vtp, const std::filesystem::path& 
   writer->SetInputData(data);
   writer->SetFileTypeToBinary();
   if (!common::write_stl(writer.Get(), stl, data->GetNumberOfPolys()))
-    throw common::ComputationError("a file cannot be written", stl.string(), "", "check the folder and free space");
+    throw common::WriteError(stl.string());
 }
 
 void write_shape(const std::filesystem::path& vtp, const Vectors& points, const Triangles& triangles,
