@@ -110,7 +110,9 @@ std::string inlet_line(const PreparedLumen& prepared) {
 
 void check(const Options& options, const std::string& repaired, const std::string& ends) {
   if (!repaired.empty())
-    check_surface_name(repaired);
+    check_surface_file(repaired);
+  if (!ends.empty())
+    check_folder_of(ends);
   StepTimer timer;
   const ClosedSurface closed = closed_surface(options, timer);
   const std::vector<const CoronaryTree*> trees = trees_to_check(closed, options);
@@ -193,7 +195,7 @@ int main(int argc, char** argv) {
     if (check_command->parsed()) {
       check(options, repaired, ends);
     } else if (remesh_command->parsed()) {
-      check_surface_name(out);
+      check_surface_file(out);
       StepTimer timer;
       const PreparedLumen prepared = prepare(options, timer);
       write_surface(remeshed(prepared.unrefined, options.edge, prepared.mesh), out);

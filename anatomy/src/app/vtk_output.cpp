@@ -98,15 +98,27 @@ std::filesystem::path temporary_path(const std::filesystem::path& target) {
   return target.parent_path() / (".partial-" + std::to_string(getpid()) + "-" + target.filename().string());
 }
 
-void check_surface_name(const std::string& path) {
+void check_folder_of(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::absolute(path, error).parent_path();
+  const bool is_folder = std::filesystem::is_directory(folder, error);
+  if (!is_folder || access(folder.c_str(), W_OK | X_OK) != 0)
+    throw common::InputError("no file can be written here", path,
+                             folder.string() +
+                                 (is_folder ? ": " + std::generic_category().message(errno) : " is no folder"),
+                             "name a file in a folder that exists and can be written");
+}
+
+void check_surface_file(const std::string& path) {
   const std::string ending = std::filesystem::path(path).extension().string();
   if (ending != ".vtp" && ending != ".stl")
     throw common::InputError("unknown surface format", path, ending, "name a .vtp or .stl file");
+  check_folder_of(path);
 }
 
 void write_surface(const Mesh& mesh, const std::string& path) {
   const std::filesystem::path target(path);
-  check_surface_name(path);
+  check_surface_file(path);
   const auto partial = temporary_path(target);
   const auto data = lumen_data(mesh, nullptr);
   if (target.extension() == ".vtp") {

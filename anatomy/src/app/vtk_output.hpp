@@ -20,8 +20,11 @@ void write_vtp(vtkPolyData* data, const std::filesystem::path& path);
 /// process, so that two runs do not write to the same file.
 std::filesystem::path temporary_path(const std::filesystem::path& target);
 
-/// Throws InputError unless the name ends in .vtp or .stl.
-void check_surface_name(const std::string& path);
+/// Throws InputError unless the folder of a file exists and can be written.
+void check_folder_of(const std::string& path);
+
+/// Throws InputError unless the name ends in .vtp or .stl and the file's folder exists and can be written.
+void check_surface_file(const std::string& path);
 
 /// Writes a tagged mesh as VTP (with region_id) or STL, by the suffix of `path`.
 void write_surface(const Mesh& mesh, const std::string& path);

@@ -60,7 +60,7 @@ def test_deployment_json_cut_short(binary, complete_run, tmp_path):
     wordy = scene.with_name("wordy.json")
     wordy.write_text(json.dumps(document))
     result = deploy(binary, wordy, tmp_path / "out", max(sizes.values()))
-    assert result.returncode == 3 and "deployment.json" in result.stderr, result.stderr[-500:]
+    assert result.returncode == 1 and "deployment.json" in result.stderr, result.stderr[-500:]
     assert not (tmp_path / "out" / "deployment.json").exists()
 
 
