@@ -181,7 +181,7 @@ def _draw_profiles(profiles, groups, summary, branches):
             _draw_profile(axes, name, branches[name])
         lesions = [(k, lesion) for k, lesion in enumerate(summary["lesions"], 1) if lesion["branch"] in names]
         for place, (number, lesion) in enumerate(sorted(lesions, key=lambda one: one[1]["s_mla_mm"])):
-            _draw_lesion_span(axes, number, lesion, branches[lesion["branch"]], row=place % 2)
+            _draw_lesion_span(axes, number, lesion, label_row=place % 2)
         axes.legend(loc="upper right")
         axes.set_ylabel("mm")
         axes.sharex(profiles[0])
@@ -204,20 +204,12 @@ def _draw_profile(axes, name, rows):
             axes.plot(*_column(marked, "s_mm", "equivalent_diameter_mm").T, marker, color=line.get_color(), ms=4)
 
 
-def _draw_lesion_span(axes, number, lesion, rows, row):
-    """Shades a lesion and writes its stenosis under the throat, in the first (0) or the second (1) row of labels."""
+def _draw_lesion_span(axes, number, lesion, label_row):
+    """Shades a lesion and writes its stenosis below the throat, in the lower (0) or the upper (1) row of labels."""
     span = (lesion["s_start_mm"], lesion["s_end_mm"])
     axes.axvspan(*span, color="crimson", alpha=0.08)
     references = (lesion["proximal_reference_diameter_mm"], lesion["distal_reference_diameter_mm"])
     axes.plot(span, references, "--", color="crimson")
-    throat = min(rows, key=lambda one: abs(one["s_mm"] - lesion["s_mla_mm"]))
-    axes.annotate(
-        f"{number}: {lesion['diameter_stenosis_percent']:.0f} %",
-        (throat["s_mm"], throat["equivalent_diameter_mm"]),
-        xytext=(0, -8 - 10 * row),
-        textcoords="offset points",
-        ha="center",
-        va="top",
-        fontsize=8,
-        color="crimson",
-    )
+    text = f"{number}: {lesion['diameter_stenosis_percent']:.0f} %"
+    where = (lesion["s_mla_mm"], 0.03 + 0.09 * label_row)
+    axes.text(*where, text, ha="center", fontsize=8, color="crimson", transform=axes.get_xaxis_transform())

@@ -74,10 +74,10 @@ LumenArrays lumen_arrays(const Mesh& mesh, const std::vector<Branch>& branches,
     arrays.radius_mm[v] = branch.radius[near.sample];
     arrays.reference_radius_mm[v] = 0.5 * profiles[near.branch].diameter(branch.s[near.sample]);
     double thickness = arrays.reference_radius_mm[v] - near.distance;
-    // A side branch first runs through the plaque of its parent, which reaches to the parent's healthy wall.
-    if (branch.parent >= 0)
-      thickness = std::max(
-          thickness, depth_in_healthy_lumen(vec(mesh.point(v)), branches[branch.parent], profiles[branch.parent]));
+    // A side branch first runs through the plaque of its parent, which reaches to the parent's healthy wall. Where
+    // branches leave close to each other, it may run through that of its parent's parent too.
+    for (int parent = branch.parent; parent >= 0; parent = branches[parent].parent)
+      thickness = std::max(thickness, depth_in_healthy_lumen(vec(mesh.point(v)), branches[parent], profiles[parent]));
     arrays.plaque_thickness_mm[v] = std::max(0.0, thickness);
     arrays.plaque_type[v] = arrays.plaque_thickness_mm[v] > 0 ? 1 : 0;
   }

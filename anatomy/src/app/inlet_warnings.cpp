@@ -1,6 +1,8 @@
 #include "app/inlet_warnings.hpp"
 #include <algorithm>
 
+// The functions ..._doubt() return a reason to doubt the inlet as text, or an empty text.
+
 namespace anatomy {
 namespace {
 
@@ -21,7 +23,6 @@ constexpr double wider_outlet_ratio = 1.25;
 constexpr double turning_back_degrees = 100;
 constexpr double direction_radii = 4; // directions are taken over so many radii of a branch
 
-// Each of the following ..._doubt() functions returns a reason to doubt the inlet as text, or an empty text.
 // The healthy width (mm) of a part of a vessel with these inscribed radii (mm).
 double healthy_width(std::vector<double> radii) {
   const auto at = static_cast<std::ptrdiff_t>(healthy_quantile * static_cast<double>(radii.size() - 1));

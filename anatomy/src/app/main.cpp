@@ -141,8 +141,10 @@ void check(const Options& options, const std::string& repaired, const std::strin
   std::cout << table_of(candidates) << table_of(tree_entries, closed.aorta);
   nlohmann::ordered_json document = document_of(candidates);
   document["trees"] = document_of(tree_entries);
-  if (!ends.empty())
+  if (!ends.empty()) {
+    make_folder_of(ends);
     write_text(ends, document.dump(1) + "\n");
+  }
   if (!repaired.empty())
     write_surface(mesh, repaired);
 }

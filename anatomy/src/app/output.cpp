@@ -2,10 +2,8 @@
 #include "app/vtk_output.hpp"
 #include "common/error.hpp"
 #include <algorithm>
-#include <cerrno>
 #include <filesystem>
 #include <fstream>
-#include <unistd.h>
 
 namespace anatomy {
 namespace {
@@ -132,20 +130,6 @@ nlohmann::ordered_json summary(const Anatomy& anatomy, const StepTimer& timer) {
   for (const auto& [step, seconds] : timer.seconds())
     out["timings_s"][step] = seconds;
   return out;
-}
-
-void check_folder(const std::string& folder) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  fs::path there = fs::absolute(folder, error);
-  while (!fs::exists(fs::symlink_status(there, error)) && there.has_relative_path())
-    there = there.parent_path();
-  const bool is_folder = fs::is_directory(there, error);
-  if (!is_folder || access(there.c_str(), W_OK | X_OK) != 0)
-    throw common::InputError("the folder for results cannot be written", folder,
-                             there.string() +
-                                 (is_folder ? ": " + std::generic_category().message(errno) : " is no folder"),
-                             "name one that can be written");
 }
 
 void write_anatomy(const Anatomy& anatomy, const StepTimer& timer, const std::string& folder) {

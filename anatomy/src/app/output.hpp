@@ -23,9 +23,6 @@ struct Anatomy {
   Quality quality;
 };
 
-/// Throws InputError if `folder` cannot be made or written to. It is called before the long computation.
-void check_folder(const std::string& folder);
-
 /// Writes lumen.vtp, centreline.vtp, sections.csv and anatomy.json to `folder`, which is made if it does not exist.
 void write_anatomy(const Anatomy& anatomy, const StepTimer& timer, const std::string& folder);
 

@@ -1,6 +1,7 @@
 #include "app/vtk_output.hpp"
 #include "common/error.hpp"
 #include "common/vtk_writing.hpp"
+#include <cerrno>
 #include <unistd.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
@@ -98,15 +99,30 @@ std::filesystem::path temporary_path(const std::filesystem::path& target) {
   return target.parent_path() / (".partial-" + std::to_string(getpid()) + "-" + target.filename().string());
 }
 
+void check_folder(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  fs::path there = fs::absolute(folder, error);
+  while (!fs::exists(fs::symlink_status(there, error)) && there.has_relative_path())
+    there = there.parent_path();
+  const bool is_folder = fs::is_directory(there, error);
+  if (!is_folder || access(there.c_str(), W_OK | X_OK) != 0)
+    throw common::InputError("the folder for results cannot be written", folder,
+                             there.string() +
+                                 (is_folder ? ": " + std::generic_category().message(errno) : " is no folder"),
+                             "name one that can be written");
+}
+
 void check_folder_of(const std::string& path) {
   std::error_code error;
-  const std::filesystem::path folder = std::filesystem::absolute(path, error).parent_path();
-  const bool is_folder = std::filesystem::is_directory(folder, error);
-  if (!is_folder || access(folder.c_str(), W_OK | X_OK) != 0)
-    throw common::InputError("no file can be written here", path,
-                             folder.string() +
-                                 (is_folder ? ": " + std::generic_category().message(errno) : " is no folder"),
-                             "name a file in a folder that exists and can be written");
+  check_folder(std::filesystem::absolute(path, error).parent_path());
+}
+
+void make_folder_of(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::create_directories(std::filesystem::absolute(path, error).parent_path(), error);
+  if (error)
+    throw common::WriteError(path.string(), error.message());
 }
 
 void check_surface_file(const std::string& path) {
@@ -119,6 +135,7 @@ void check_surface_file(const std::string& path) {
 void write_surface(const Mesh& mesh, const std::string& path) {
   const std::filesystem::path target(path);
   check_surface_file(path);
+  make_folder_of(target);
   const auto partial = temporary_path(target);
   const auto data = lumen_data(mesh, nullptr);
   if (target.extension() == ".vtp") {

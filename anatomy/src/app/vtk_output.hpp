@@ -20,13 +20,20 @@ void write_vtp(vtkPolyData* data, const std::filesystem::path& path);
 /// process, so that two runs do not write to the same file.
 std::filesystem::path temporary_path(const std::filesystem::path& target);
 
-/// Throws InputError unless the folder of a file exists and can be written.
+/// Throws InputError if `folder` cannot be made or written to. It is called before the long computation.
+void check_folder(const std::string& folder);
+
+/// The same for the folder of a file.
 void check_folder_of(const std::string& path);
 
-/// Throws InputError unless the name ends in .vtp or .stl and the file's folder exists and can be written.
+/// Makes the folder of a file if it does not exist. Throws WriteError if it cannot be made.
+void make_folder_of(const std::filesystem::path& path);
+
+/// Throws InputError unless the name ends in .vtp or .stl and the file's folder can be made or written to.
 void check_surface_file(const std::string& path);
 
-/// Writes a tagged mesh as VTP (with region_id) or STL, by the suffix of `path`.
+/// Writes a tagged mesh as VTP (with region_id) or STL, by the suffix of `path`. Its folder is made if it does not
+/// exist.
 void write_surface(const Mesh& mesh, const std::string& path);
 
 } // namespace anatomy

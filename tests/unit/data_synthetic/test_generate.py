@@ -46,7 +46,7 @@ def test_plaque_lies_in_the_lesion_only(made):
 
 
 def test_a_side_branch_in_a_lesion_runs_through_plaque():
-    """On the axis's side of the parent's healthy wall, plaque reaches from the side branch's wall to that wall."""
+    """Inside the parent's healthy wall, the plaque behind the side branch's wall reaches as far as the healthy wall."""
     changes = {
         "centre_s_mm": 15,
         "length_mm": 10,

@@ -10,7 +10,8 @@ import pytest
 
 from anatomy.__main__ import _parser as anatomy_parser
 from common.errors import InputError
-from workflow.__main__ import run_validate
+from workflow import provenance
+from workflow.__main__ import run_provenance, run_validate
 from workflow.configuration import Configuration
 from workflow.inputs import Inputs
 
@@ -83,6 +84,15 @@ def test_a_bad_case_is_left_out_where_asked(folder, name, text):
     assert found.selected_cases("quick") == ["quick_focal", "quick_branch"]
     with pytest.raises(InputError, match=name):
         found.selected_cases("quick", name)
+
+
+def test_the_record_of_a_study_needs_no_other_case(folder, monkeypatch):
+    (folder / "cases" / "mine.yaml").write_text("kind: synthetic\nnonsense: 3\n")
+    refused = []
+    monkeypatch.setattr(provenance, "write_provenance", lambda study, *others: refused.extend(study.refused))
+    unused = dict.fromkeys(("cases", "results", "programs", "software", "out"))
+    run_provenance(SimpleNamespace(folder=folder, **unused))
+    assert refused == ["mine"]
 
 
 def test_shipped_configuration_is_valid(folder):

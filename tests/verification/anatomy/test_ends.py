@@ -238,9 +238,12 @@ def test_a_folder_that_cannot_be_made_is_refused(lumen, binary, tmp_path):
     (tmp_path / "file").write_text("")
     done = lumen(surface, tmp_path / "file")
     assert done.returncode == 2 and done.stderr.count("error:") == 1 and "defect" not in done.stderr
-    command = [str(binary("lumen")), "remesh", str(surface), "--out", str(tmp_path / "absent" / "tube.vtp")]
-    done = subprocess.run(command, text=True, capture_output=True, timeout=60)
-    assert done.returncode == 2 and done.stderr.count("error:") == 1 and "defect" not in done.stderr
+    command = [str(binary("lumen")), "remesh", str(surface), "--out"]
+    done = subprocess.run([*command, str(tmp_path / "file" / "tube.vtp")], text=True, capture_output=True, timeout=60)
+    assert done.returncode == 2 and done.stderr.count("error:") == 1 and "lumen: read" not in done.stderr
+    made = tmp_path / "absent" / "tube.vtp"
+    done = subprocess.run([*command, str(made)], text=True, capture_output=True, timeout=60)
+    assert done.returncode == 0 and made.is_file(), "a folder that does not exist is made, as by `process`"
 
 
 @pytest.mark.parametrize("wall", ["open", "closed"])
