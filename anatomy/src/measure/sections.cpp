@@ -2,10 +2,14 @@
 #include "common/error.hpp"
 #include "core/slices.hpp"
 #include "measure/outline_noise.hpp"
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 
 namespace anatomy {
 namespace {
+
+constexpr double arc_step = M_PI / 60; // angle between points of the curve that closes a section across a mouth
 
 Vec2 centroid(const std::vector<Vec2>& loop) {
   Vec2 sum = Vec2::Zero();
@@ -43,6 +47,88 @@ void set_diameters(Section& section, const std::vector<Vec2>& loop) {
     section.min_diameter = std::min(section.min_diameter, chord);
     section.max_diameter = std::max(section.max_diameter, chord);
   }
+}
+
+double turn(const Vec2& a, const Vec2& b) {
+  return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+}
+
+// The conic a x^2 + b x y + c y^2 + d x + e y = 1 that fits an outline round the origin best; mostly an ellipse.
+class FittedConic {
+  using Coefficients = Eigen::Matrix<double, 5, 1>;
+
+public:
+  // Points (mm) on the outline, and the weight of each.
+  FittedConic(const std::vector<Vec2>& points, const std::vector<double>& weights) {
+    Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
+    Coefficients right = Coefficients::Zero();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double x = points[i].x(), y = points[i].y();
+      const Coefficients row{x * x, x * y, y * y, x, y};
+      normal += weights[i] * row * row.transpose();
+      right += weights[i] * row;
+    }
+    k_ = normal.ldlt().solve(right);
+  }
+  // Distance (mm) from the origin to the conic along the unit vector d; infinite if it is open there.
+  double radius(const Vec2& d) const {
+    const double squared = k_[0] * d.x() * d.x() + k_[1] * d.x() * d.y() + k_[2] * d.y() * d.y();
+    const double linear = k_[3] * d.x() + k_[4] * d.y(), root = linear * linear + 4 * squared;
+    const double twice_inverse = root < 0 ? 0 : linear + std::sqrt(root);
+    return twice_inverse > 0 ? 2 / twice_inverse : std::numeric_limits<double>::infinity();
+  }
+
+private:
+  Coefficients k_;
+};
+
+// A section's outline in the plane, closed across the mouths of other branches. The axis is the origin.
+// in_mouth: for each point of the loop, whether it lies on the wall of another branch or of a stub; inscribed: mm,
+// radius of the ball there. Across a mouth the outline follows the conic that fits the rest of it. A wide mouth leaves
+// the conic ill determined. So its radius is at least that of the ball, and at most the largest of the rest.
+std::vector<Vec2> close_mouths(std::vector<Vec2> loop, std::vector<bool> in_mouth, double inscribed) {
+  if (signed_area(loop) < 0) {
+    std::reverse(loop.begin(), loop.end());
+    std::reverse(in_mouth.begin(), in_mouth.end());
+  }
+  const auto first = std::find(in_mouth.begin(), in_mouth.end(), false) - in_mouth.begin();
+  if (first == std::ptrdiff_t(loop.size())) { // all is mouth: only the ball is known
+    for (Vec2& q : loop)
+      q *= inscribed / q.norm();
+    return loop;
+  }
+  std::rotate(loop.begin(), loop.begin() + first, loop.end());
+  std::rotate(in_mouth.begin(), in_mouth.begin() + first, in_mouth.end());
+  loop.push_back(loop.front());
+  in_mouth.push_back(false);
+  std::vector<Vec2> wall;
+  std::vector<double> angles;
+  double largest = inscribed;
+  for (std::size_t i = 0; i + 1 < loop.size(); ++i)
+    if (!in_mouth[i] && !in_mouth[i + 1]) {
+      wall.push_back(0.5 * (loop[i] + loop[i + 1]));
+      angles.push_back(std::abs(turn(loop[i], loop[i + 1])));
+      largest = std::max(largest, loop[i].norm());
+    }
+  const FittedConic conic(wall, angles);
+  std::vector<Vec2> closed;
+  double width = 0; // angle that the outline has turned round the axis since the last edge of a mouth
+  for (std::size_t i = 0; i + 1 < loop.size(); ++i) {
+    if (!in_mouth[i])
+      closed.push_back(loop[i]);
+    width += turn(loop[i], loop[i + 1]);
+    if (in_mouth[i + 1])
+      continue;
+    if (in_mouth[i]) {
+      const Vec2 edge = closed.back().normalized();
+      for (double angle = arc_step; angle < width; angle += arc_step) {
+        const Vec2 d = Eigen::Rotation2Dd(angle) * edge;
+        closed.push_back(std::clamp(conic.radius(d), inscribed, largest) * d);
+      }
+    }
+    width = 0;
+  }
+  return closed;
 }
 
 bool is_on_cap(const Vec3& p, const std::vector<End>& ends) {
@@ -89,18 +175,19 @@ std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>
       section.sample = i;
       section.flag = end ? "end" : "ok";
       std::vector<Vec2> flat;
+      std::vector<bool> in_mouth;
       for (const Vec3& p : loop) {
-        Vec2 q = frame.plane(p);
+        flat.push_back(frame.plane(p));
         if (is_on_cap(p, ends))
           section.flag = "end";
-        const double limit = ostium_clip * branch.radius[i];
-        if (q.norm() > limit &&
-            (is_in_stub(p, b, branch.x[i], stubs) || (branches.size() > 1 && nearest_axis(branches, p).branch != b))) {
-          q *= limit / q.norm();
-          if (section.flag == "ok")
-            section.flag = "ostium";
-        }
-        flat.push_back(q);
+        in_mouth.push_back(
+            flat.back().norm() > mouth_distance * branch.radius[i] &&
+            (is_in_stub(p, b, branch.x[i], stubs) || (branches.size() > 1 && nearest_axis(branches, p).branch != b)));
+      }
+      if (std::find(in_mouth.begin(), in_mouth.end(), true) != in_mouth.end()) {
+        flat = close_mouths(flat, in_mouth, branch.radius[i]);
+        if (section.flag == "ok")
+          section.flag = "ostium";
       }
       section.area = std::abs(signed_area(flat));
       set_diameters(section, flat);

@@ -16,8 +16,8 @@ struct Section {
 
 /// One section at every axis sample of every branch, except the branch's first and last sample and those in its
 /// parent's inscribed tube. A section is the loop round the axis in which the plane across the axis cuts `surface`.
-/// - Flag `ostium`: the loop runs over the wall of another branch or of a closed stub, and is clipped there at
-///   ostium_clip inscribed radii.
+/// - Flag `ostium`: the loop runs over the wall of another branch or of a closed stub. The section is closed across
+///   that mouth by the ellipse that fits the rest of the loop.
 /// - Flag `end`: the section is within 1.5 inscribed radii of a cap or in an extension, or its loop meets a cap.
 /// Throws ComputationError if no loop contains the axis away from the ends.
 /// @param splits number of pieces into which refinement has divided each edge of the measured wall; noise has the scale
@@ -29,7 +29,8 @@ std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>
 /// Whether the axis at arc length s (mm) is within 1.5 inscribed radii of a cap or in an extension.
 bool is_near_end(const Branch& branch, const std::vector<End>& ends, double s);
 
-constexpr double ostium_clip = 1.08; ///< inscribed radii at which a section is clipped towards another branch
-constexpr double end_zone = 1.5;     ///< a section within so many inscribed radii of a cap is flagged `end`
+/// A point of a section on another branch's wall lies in a mouth if it is more inscribed radii than this from the axis.
+constexpr double mouth_distance = 1.08;
+constexpr double end_zone = 1.5; ///< a section within so many inscribed radii of a cap is flagged `end`
 
 } // namespace anatomy

@@ -222,6 +222,19 @@ def test_tree(process, tmp_path):
     assert len(inner) > 20 and not plaque[inner].any()
 
 
+@pytest.mark.parametrize("axis", (1, 2))
+def test_an_oval_vessel_at_its_mouths(process, tmp_path, axis):
+    """Half as wide again along y or z: the side branches leave from the long and from the short side."""
+    points, triangles = surfaces.tree(TREE)
+    points[:, axis] *= 1.5
+    surface = surfaces.write(tmp_path / "tree.vtp", points, triangles)
+    _, rows = process(surface, tmp_path / "out", "--inlet", "0,0,0")
+    main = [row for row in rows if row["branch"] == "main"]
+    truth = 1.5 * np.pi * (1.7 - 0.3 * column(main, "s_mm", "ostium") / 40) ** 2
+    ratio = column(main, "area_mm2", "ostium") / truth
+    assert len(ratio) > 6 and abs(ratio.mean() - 1) < 0.02 and np.abs(ratio - 1).max() < 0.05
+
+
 def test_earlier_names_are_kept(process, tmp_path):
     surface = surfaces.write(tmp_path / "tree.vtp", *surfaces.tree(TREE))
     summary, _ = process(surface, tmp_path / "pre", "--inlet", "40,0,0")
