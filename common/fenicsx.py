@@ -16,7 +16,7 @@ from dolfinx import fem, geometry, jit, plot
 # Longest time in s that a program waits while another one compiles the same form. FEniCSx's default is 10 s.
 COMPILE_WAIT_S = 300
 
-if hasattr(fem, "functionspace"):  # 0.9
+if hasattr(fem, "functionspace"):  # FEniCSx 0.9
     import basix.ufl
     from dolfinx.fem.petsc import create_matrix, interpolation_matrix
 
@@ -70,7 +70,7 @@ if hasattr(fem, "functionspace"):  # 0.9
     def _shape(size):
         return None if size is None else (size,)
 
-else:  # 0.5
+else:  # FEniCSx 0.5
     from dolfinx.cpp.fem import petsc as cpp_petsc
 
     JIT_OPTIONS, jit_options, vtk_cells = "jit_params", jit.get_parameters, plot.create_vtk_mesh

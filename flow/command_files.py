@@ -55,10 +55,10 @@ def mesh_report_path(arguments):
 
 
 def pair_with_rings(coarse, rings):
-    """[(path, rings)] of the coarser meshes, the coarsest first.
+    """[(path, number of rings)] of the coarser meshes, the coarsest first.
 
-    coarse: paths; rings: setting coarse_rings. With fewer paths than rings, the last of `rings` are used. Raises
-    InputError for more paths than rings.
+    coarse: paths; rings: setting coarse_rings, the number of rings of cells across the radius of each mesh. With fewer
+    paths than rings, the last of `rings` are used. Raises InputError for more paths than rings.
     """
     if len(coarse) > len(rings):
         remedy = "give at most one for each of coarse_rings"

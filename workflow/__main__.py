@@ -32,7 +32,7 @@ def run_provenance(options):
     from workflow.configuration import Configuration
     from workflow.provenance import write_provenance
 
-    study = Configuration(options.folder, leave_out_bad_cases=True)  # other cases are no matter of this study
+    study = Configuration(options.folder, leave_out_bad_cases=True)  # bad files of other cases must not stop this study
     write_provenance(study, options.cases, options.results, options.programs, options.software, options.out)
 
 

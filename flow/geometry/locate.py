@@ -14,7 +14,9 @@ from flow.geometry import tet10
 # need many.
 FEW_CELLS, MANY_CELLS = 8, 60
 POINTS_AT_ONCE = 20_000  # limits the memory
-TRIED_CELLS = 4  # curved coordinates are computed for so many of these cells: the best ones if straight-edged
+# Curved coordinates are costly. So they are computed only in this many of these cells: those that fit the point best if
+# their edges are taken as straight.
+TRIED_CELLS = 4
 NEWTON_STEPS = 3  # steps of Newton's method for the curved coordinates
 LARGEST_STEP = 0.5  # largest change of a barycentric coordinate in one step of Newton's method
 # A point is outside the mesh if its least barycentric coordinate in the best cell is below this.

@@ -32,8 +32,8 @@ QUADRATURE_DEGREE = 7
 # Fractions of the full inflow: the first at which a flow is found, from rest, and the least step between two of them.
 FIRST_FRACTION, SHORTEST_STEP = 0.1, 0.02
 MOST_NEWTON_STEPS = 10  # most iterations of Newton's method at one inflow
-# Newton's method has converged when its update of the axial velocity, over this velocity, is below a tolerance: the
-# first at fractions of the full inflow, the second at the full inflow.
+# Newton's method has converged when its update of the axial velocity, over this velocity, is below a tolerance. The
+# first tolerance is for fractions of the full inflow, the second for the full inflow.
 INTERMEDIATE_TOLERANCE, FINAL_TOLERANCE = 1e-3, 1e-8
 
 

@@ -17,7 +17,7 @@ constexpr double release_cosine = 0.5; // above this cosine, a vertex that has p
 // each other at rest: they lie one thickness apart, less the sagitta of their straight edges.
 constexpr double contact_gap_share = 0.9;
 constexpr int maximal_walk = 20;   // largest number of triangles that follow_layer() crosses in one call
-constexpr double ramp_share = 0.4; // overlap over which the stiffness rises, over the thickness
+constexpr double ramp_share = 0.4; // overlap over which the stiffness rises, as a share of the thickness
 constexpr std::array<double, 2> side_signs{1.0, -1.0}; // sign of the gap on the outer and on the inner side of a vertex
 
 /// Pressure (MPa) and its stiffness (MPa/mm) at a gap (mm). The pressure is quadratic over the ramp, then linear.

@@ -6,8 +6,9 @@
 
 namespace vci {
 
-/// The stiffness of a contact or tie: k n n^T + k_t (I - n n^T) - s s^T against the weighted sum of the displacements
-/// of up to four vertices. Contacts and ties change from step to step, so they are not in the sparse pattern.
+/// The stiffness of a contact or tie: k n n^T + k_t (I - n n^T) - s s^T, where n is the normal. It resists the weighted
+/// sum of the displacements of up to four vertices. Contacts and ties change from step to step, so they are not in the
+/// sparse pattern.
 struct StencilStiffness {
   std::array<int, 4> vertex; ///< -1 marks an unused place
   std::array<double, 4> weight;

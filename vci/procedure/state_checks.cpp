@@ -17,7 +17,7 @@ constexpr double wall_reach = 2.0; // mm: radius round a device's vertex in whic
 // mm: a vertex may project along the normals onto a triangle that is farther than the nearest one by up to this length
 constexpr double projection_slack = 0.1;
 constexpr double tolerated_distance = 0.1; // mm that a device may lie outside the wall; balanced stages have far less
-constexpr double open_edge_weight = 1e-9;  // weight of inner corners below which a projection is on an open edge
+constexpr double open_edge_weight = 1e-9;  // a projection with less weight at inner corners lies on an open edge
 
 int body_of_vertex(const System& system, int vertex) {
   int body = 0;

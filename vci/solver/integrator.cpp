@@ -10,7 +10,7 @@ namespace vci {
 namespace {
 
 constexpr double smallest_step = 0.03;    // ms: length of the shortest step
-constexpr int sticking_steps = 8;         // after a step that turned back, steps with the whole friction stiffness
+constexpr int sticking_steps = 8;         // friction keeps its whole stiffness this long after a step that turned back
 constexpr double quasi_static_step = 0.5; // ms: longer steps drop the velocity, and with it the inertia of the motion
 // After `stalled_steps` / `careful_divisor` steps without progress, linear solves of the rest of the stage must also
 // reach this relative tolerance in the preconditioner's norm.

@@ -97,7 +97,8 @@ void Septum::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, 
     }
     if (!stiffness)
       continue;
-    double second = lambda * log.slope * log.slope + (lambda * log.value - mu) * log.curvature; // second one by J
+    // second derivative of the energy by J
+    double second = lambda * log.slope * log.slope + (lambda * log.value - mu) * log.curvature;
     if (!exact)
       second = std::max(second, 0.0);
     slots_[k].add(*stiffness, [&](int i, int j) -> Mat3 {

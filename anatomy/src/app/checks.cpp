@@ -16,8 +16,8 @@ constexpr double least_reported_move = 1e-3; // mm; a smaller move of the caps i
 // by half a per cent.
 constexpr double most_unwarned_move = 0.1;
 constexpr double smallest_angle = 30; // a smaller corner of a triangle (degrees) gives a warning
-// If the wall's rms scatter reaches this (in mean edges), ends may not be seen. Flat ends are found until noise tilts
-// the triangles by about 12 degrees.
+// If the wall's rms scatter reaches this (in mean edge lengths), ends may be missed. Flat ends are found until noise
+// tilts the triangles by about 12 degrees.
 constexpr double rough_scatter = 0.15;
 constexpr double least_wide_stub = 1; // least prominence of a stub that may be the inlet, in mean radii
 constexpr double rim_radii = 2;       // a tip farther from an end's centre (in its radii) is not at the end's rim

@@ -18,10 +18,10 @@ constexpr double healthy_quantile = 0.9;
 constexpr double leaning_back_cosine = -0.45;
 // An outlet this many times as wide as the named inlet gives a warning.
 constexpr double wider_outlet_ratio = 1.25;
-// A branch that turns by so many degrees gives a warning. A left main turns into the circumflex by at most a right
+// A branch that turns by this many degrees gives a warning. A left main turns into the circumflex by at most a right
 // angle.
 constexpr double turning_back_degrees = 100;
-constexpr double direction_radii = 4; // directions are taken over so many radii of a branch
+constexpr double direction_radii = 4; // directions are taken over this many radii of a branch
 
 // The healthy width (mm) of a part of a vessel with these inscribed radii (mm).
 double healthy_width(std::vector<double> radii) {

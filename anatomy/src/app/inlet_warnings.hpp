@@ -7,8 +7,8 @@ namespace anatomy {
 /// A reason to doubt that the largest end is the inlet, as text: another end is about as wide. Empty if none is.
 std::string wide_end_doubt(const std::vector<End>& ends);
 
-/// Adds a warning to `notes` if the inlet, which was chosen as the largest end, may be another end. The largest end is
-/// not the inlet where the ostium is narrowed. There are four reasons:
+/// Adds a warning to `notes` if the inlet may be another end than the largest one, which was chosen. If the ostium is
+/// narrowed, the largest end is not the inlet. There are four reasons for a warning:
 /// - another end is about as wide as the inlet;
 /// - main's last third is about as wide as the inlet, and then narrows to main's end;
 /// - main widens from the inlet;

@@ -144,8 +144,8 @@ Mesh graded_with_retries(const AxisMesh& axis_mesh, const Mesh& surface, const E
 }
 
 // The final mesh. If `kept`, the given mesh is remeshed only where its edges no longer have the wanted length or its
-// corners are narrow, so that both states share most of their triangles. Otherwise, or if too much of it would change,
-// it is made anew.
+// corners are narrow. Both states then share most of their triangles. Otherwise, or if too much of it would change, the
+// mesh is made anew.
 Mesh graded_mesh(const AxisMesh& axis_mesh, bool kept, const Mesh& surface, const EdgeField& field) {
   if (!kept)
     return graded_with_retries(axis_mesh, surface, field);

@@ -4,9 +4,11 @@
 namespace anatomy {
 namespace {
 
-// Wall less than this before or behind a place (in radii, along the path) gives the direction there.
+// The direction at a place follows from the wall round it. Only wall less than this before or behind the place counts
+// (in radii, along the path).
 constexpr double wall_band_radii = 0.6;
-// Such wall counts within so many radii of the place. This includes the wall of an oval vessel, but not of a neighbour.
+// Only wall within this many radii of the place counts. This includes the wall of an oval vessel, but not of a
+// neighbour.
 constexpr double wall_reach_radii = 2;
 // Cosine of the largest angle, 30 degrees, between the two directions in vessel_direction.
 constexpr double least_agreement_cosine = 0.87;

@@ -23,8 +23,8 @@ struct BallPath {
 
 /// Unit direction of the vessel at `where` (mm) on the path. It is the direction most nearly perpendicular to the
 /// wall's normals round that place. The path's own direction would scatter by more than a degree, since the balls'
-/// centres scatter. It is used only where the two directions differ by more than 30 degrees, for example where a side
-/// branch leaves.
+/// centres scatter. So the path's direction is used only where the two differ by more than 30 degrees, for example
+/// where a side branch leaves.
 Vec3 vessel_direction(const Mesh& mesh, const BallPath& path, double where);
 
 } // namespace anatomy

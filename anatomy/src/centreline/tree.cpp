@@ -12,7 +12,7 @@ constexpr double end_trim_radii = 0.5;
 // Least distance of an end's centre outside the parent's inscribed tube, in radii of the end. A flat facet of the
 // parent's wall lies nearer.
 constexpr double least_stub = 0.3;
-constexpr double look_ahead = 1.5; // the direction of a side branch is taken over so many parent radii from its exit
+constexpr double look_ahead = 1.5; // the direction of a side branch is taken over this many parent radii from its exit
 
 double arc_length(const std::vector<Vec3>& points) {
   double length = 0;

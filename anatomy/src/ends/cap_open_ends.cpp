@@ -10,7 +10,7 @@ namespace {
 
 using common::InputError;
 
-constexpr double opening_naming_radii = 3; // a point within so many radii of an opening's centre names the opening
+constexpr double opening_naming_radii = 3; // a point within this many radii of an opening's centre names the opening
 
 // Moves the loop's corners onto its plane; returns the largest move in mm.
 double move_onto_plane(Mesh& mesh, const Loop& loop) {

@@ -9,7 +9,7 @@ namespace anatomy {
 /// Returns a test that tells whether one of the points (mm) names a loop as an end. The point must be within three
 /// radii of the loop's centre. The loop must be at least as wide as the fraction `least_width` (evidence.hpp) of the
 /// vessel behind it. So the mouth of a funnel is an end, although its lip lies in the plane of the rim. A hole in a
-/// closed end is none.
+/// closed end is no end.
 IsGivenEnd ends_at_points(std::vector<Vec3> points);
 
 /// Fills every opening that is narrower than the fraction `least_width` (evidence.hpp) of the vessel behind it. Each

@@ -27,7 +27,7 @@ constexpr double tip_taper_ratio = 1.15;
 constexpr double similar_area_ratio = 1.25;
 // A tip less than this (in radii of the end) beyond the farthest point of an end's rim belongs to the rim.
 constexpr double rim_margin_radii = 0.4;
-// A ball counts as near to a tip as the nearest ball if its gap to the tip is larger by less than this (in ball radii).
+// Two balls are about equally near to a tip if their gaps to it differ by less than this (in ball radii).
 constexpr double equal_gap_radii = 0.1;
 // Largest gap between a tip and the surface of its ball, in radii of the ball. At the rim of a flat end it is 0.41.
 constexpr double tip_reach_radii = 1;

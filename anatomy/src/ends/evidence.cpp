@@ -17,8 +17,8 @@ constexpr double largest_area_ratio = 2;
 constexpr double rough_part_ratio = 1.25;
 constexpr double most_flat_height = 0.07; // largest height difference of a flat part's vertices, in its diameters
 constexpr double cos_tilt = 0.5;          // cosine of the largest tilt, 60 degrees
-// Depth of the section behind a flat part, in radii of the part. An outlet that was cut off close to its parent is no
-// longer than this.
+// Depth of the section behind a flat part, in radii of the part. It is small, since an outlet that was cut off close to
+// its parent may be this short.
 constexpr double section_depth_radii = 0.5;
 // The tilt is measured on wall farther behind the flat part than this, in radii of the part. A rounded rim is neither
 // cap nor wall.

@@ -7,7 +7,8 @@
 namespace anatomy {
 
 /// What is measured at a flat part to decide whether it is an end. An end is about as wide as the largest ball that
-/// fits behind it. The section half a radius behind it has about its area. The wall behind it runs along its normal.
+/// fits behind it. The section half a radius behind it has about the same area. The wall behind it runs along its
+/// normal.
 struct EndEvidence {
   double ball_radius = 0;  ///< mm, radius of the largest ball inside the lumen that touches the part at its centre
   double section_area = 0; ///< mm2, area of the lumen half a radius behind the part; 0 if there is none

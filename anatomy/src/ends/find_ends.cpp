@@ -19,19 +19,19 @@ constexpr double smallest_end_radius = 0.25;
 constexpr double least_off_plane = 0.03;
 constexpr double largest_off_plane = 0.1;
 constexpr double noise_multiple = 3;
-constexpr double flat_naming_radii = 3; // a point within so many radii of a flat or open end's centre names the end
+constexpr double flat_naming_radii = 3; // a point within this many radii of a flat or open end's centre names the end
 // A point this near to a tip (in radii of the tip's last ball) names the tip. The ball's centre lies a radius behind
 // it.
 constexpr double tip_naming_radii = 4;
 constexpr int most_walls_shown = 12;           // largest number of candidates taken for wall that are shown
-constexpr double least_prominence_unnamed = 2; // least prominence (in mean radii) of a tip that is an end unnamed
+constexpr double least_prominence_unnamed = 2; // a tip as prominent as this (in mean radii) is an end even if unnamed
 
 // A candidate, with the faces or the cut that make it an end.
 struct CandidatePlace {
   EndCandidate candidate;
   std::vector<Face> faces; // faces of its cap or flat part; empty for a rounded end
   RoundedEnd rounded{};
-  bool named = false; // whether a point of the user names it
+  bool named = false; // whether one of the user's points names this place
 
   bool is_rounded() const { return faces.empty(); }
   bool is_stub() const { return !rounded.too_short_reason.empty(); }
@@ -161,8 +161,8 @@ void warn_of_narrow_end(const CandidatePlace& end, std::vector<Repair>& repairs)
   repairs.push_back({"end narrower than its vessel", 1, candidate_line(end.candidate) + behind, true});
 }
 
-// Warns of a closed end that becomes an outlet although the surface is open at two ends or more. The vessel may be
-// blind there, as at an occlusion.
+// Warns of a closed end that becomes an outlet although the surface is open at two ends or more. The vessel may end
+// blindly there, as at an occlusion.
 void warn_of_closed_ends(const std::vector<CandidatePlace>& places, std::vector<Repair>& repairs) {
   const auto open = std::count_if(places.begin(), places.end(),
                                   [](const CandidatePlace& one) { return one.candidate.kind == "open"; });

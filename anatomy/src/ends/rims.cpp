@@ -7,7 +7,8 @@ namespace {
 // The rim counts as rounded if the section's area is at least this many times the end's. A vessel without a rounded rim
 // would have to widen by 6 degrees on each side over half a radius.
 constexpr double rounded_rim_ratio = 1.1;
-// A plane is deep enough if the section further in is less than this times as large: a deeper cut would gain little.
+// A plane is deep enough if the section further in is less than this many times as large as the plane's own section. A
+// deeper cut would then gain little.
 constexpr double settled_area_ratio = 1.05;
 constexpr double comparison_radii = 0.5; // distance from a plane to the section further in, in radii of the section
 constexpr double rim_step_radii = 0.05;  // distance between planes that are tried, in radii of the section

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double vessel_length_voxels = 8; // a piece shorter than this (in longest voxel edges) is noise, not a vessel
 constexpr std::size_t noise_voxels = 8;    // more voxels than this in cavities give a warning
-constexpr int most_empty_slices = 3; // so many empty slices count as not segmented; more of them separate two trees
+constexpr int most_empty_slices = 3;       // up to this many count as not segmented; a larger gap separates two trees
 
 using Voxel = std::array<int, 3>;
 

@@ -29,7 +29,7 @@ namespace {
 using common::InputError;
 
 constexpr double smoothing = 0.85; // standard deviation of the narrower Gaussian, in voxels
-constexpr double kernel_reach = 4; // a Gaussian kernel is cut off at so many standard deviations
+constexpr double kernel_reach = 4; // a Gaussian kernel is cut off at this many standard deviations
 constexpr int padding = 8;         // voxels of margin round the label, as the wider kernel reaches 2 * 0.85 * 4 = 6.8
 // A piece with a smaller share of the largest piece's triangles is a spur of a few voxels.
 constexpr double spur_share = 0.01;

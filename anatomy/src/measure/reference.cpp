@@ -7,18 +7,18 @@ namespace {
 
 // Exponents m of the law of forks D^m = d1^m + d2^m that are tried besides 2.55 (Murray 1926; Huo and Kassab 2012).
 constexpr std::array<double, 2> other_exponents{3, 7.0 / 3};
-constexpr double least_gain_ratio = 1.25; // another reading must have so many times as many healthy sections
+constexpr double least_gain_ratio = 1.25; // another profile needs this many times as many healthy sections
 constexpr double ectasia_ratio = 1.5;     // least ratio to the widest lumen beside it (definition of coronary ectasia)
 // Largest ratio of neighbouring samples' diameters on the flank of an ectasia. The steepest taper changes less: 0.75 %
 // of the first diameter.
 constexpr double ectasia_flank_ratio = 0.99;
-constexpr double other_reading_ratio = 1.05; // another reading is reported if its diameter differs by this ratio
+constexpr double other_reading_ratio = 1.05; // another line is reported if its diameter differs by this ratio
 constexpr double least_noticed_branch = 0.4; // as a share of the widest section; smaller branches make a step below 4 %
-// A profile on which less than this share of the sections is healthy, and less than 4 mm, is none.
+// No stretch is healthy if the best profile has fewer than 8 healthy sections (4 mm), and fewer than this share of all.
 constexpr double least_healthy_share = 0.25;
 
 // The sections without an ectasia and its flanks. An ectasia is a single stretch with at least 8 sections before and
-// behind it. Its widest section is 1.5 times as wide as any of these.
+// behind it. Its widest section is more than 1.5 times as wide as any section before or behind it.
 std::vector<DiameterSample> without_ectasia(std::vector<DiameterSample> measured, const Branch& branch,
                                             std::vector<Repair>& notes) {
   const std::size_t all = measured.size();

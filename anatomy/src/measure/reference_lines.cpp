@@ -3,12 +3,12 @@
 namespace anatomy {
 namespace {
 
-constexpr double wide_ratio = 1.08;     // a section is wide above this ratio to the profile; an ostium's may reach it
+constexpr double wide_ratio = 1.08;     // a section is wide above this ratio to the profile; ostia may reach it
 constexpr double upper_quantile = 0.75; // share of the sections below the reference of a vessel without healthy stretch
 // Largest ratio of a reference to the widest section. A line through a healthy distal part rises above the proximal
-// sections of a vessel that is narrowed there, but a diameter that the vessel has nowhere is not its healthy one.
+// sections of a vessel that is narrowed there. But a diameter that the vessel has nowhere is not its healthy one.
 constexpr double largest_extrapolation = 1.25;
-// Lines are tried through pairs of at most so many sections.
+// Lines are tried through pairs of at most this many sections.
 constexpr std::size_t most_sampled_sections = 80;
 constexpr double dilated_ratio = 1.15; // a section is dilated above this ratio to the profile
 // Least ratio of the diameter behind a step to the one before it. A fork into two equal branches has 0.737. A fork into

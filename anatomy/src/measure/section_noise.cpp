@@ -19,7 +19,7 @@ constexpr int penalty_bands = 3; // bands of the penalty matrix on either side o
 using Sparse = Eigen::SparseMatrix<double>;
 
 // Sections along one branch, with their equivalent radii (mm) and weights, one for each sample of the axis. The weight
-// is 0 if a section is missing or clipped at an ostium.
+// is 0 if a section is missing, or closed across the mouth of another branch.
 struct RadiusProfile {
   std::vector<Section*> section;
   Eigen::VectorXd radius, weight;

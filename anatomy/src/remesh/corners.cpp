@@ -15,7 +15,7 @@ constexpr double pass_tolerance = 0.4; // degrees; no pass follows if the smalle
 constexpr int moving_rings = 2;        // rings of vertices round a narrow triangle that may move
 constexpr int most_sweeps = 6;         // largest number of times that each of these vertices is moved
 constexpr int step_directions = 6;     // directions tried for each step of a vertex
-constexpr double first_step = 0.2;     // length of a vertex's first step, in mean edges at the vertex
+constexpr double first_step = 0.2;     // length of a vertex's first step, in mean edge lengths at the vertex
 constexpr int step_halvings = 4;       // number of step lengths tried, each half of the one before
 // A change is kept only if the smallest corner of the neighbourhood gains more than this, degrees.
 constexpr double least_gain = 0.05;

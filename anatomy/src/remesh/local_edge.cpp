@@ -26,7 +26,7 @@ constexpr double aimed_corner = 30.5; // degrees: a margin over 30, which must r
 // one triangle in 10^4 outside.
 constexpr double least_edge_ratio = 0.5;
 constexpr double largest_edge_ratio = 1.6;
-constexpr int rings_beside = 3;                 // so many rings of triangles round those to remesh are remeshed too
+constexpr int rings_beside = 3;                 // this many rings of triangles round those to remesh are remeshed too
 constexpr double off_wall = 1e-6;               // mm: a vertex farther from the wall is projected on it
 constexpr double most_regraded_share = 1.0 / 3; // regraded() gives up if a larger share of the triangles is to remesh
 

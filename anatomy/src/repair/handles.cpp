@@ -10,7 +10,7 @@ namespace anatomy {
 namespace {
 
 constexpr double largest_patch_radii = 0.35;                   // largest radius of a patch, in mean radii of the lumen
-constexpr std::array<double, 5> patch_edges{2, 3, 4.5, 7, 10}; // radii of the patches tried in turn, in mean edges
+constexpr std::array<double, 5> patch_edges{2, 3, 4.5, 7, 10}; // radii of the patches tried, in mean edge lengths
 constexpr int most_search_rounds = 5;                          // largest number of rounds of search and removal
 
 double mean_edge(const Mesh& mesh) {

@@ -6,10 +6,10 @@ namespace anatomy {
 namespace {
 
 // A spike is at least as high as each of the first three limits.
-constexpr double least_spike_slope = 0.5;   // in mean edges; the sides of such a spike slope by 27 degrees
+constexpr double least_spike_slope = 0.5;   // in mean edge lengths; the sides of such a spike slope by 27 degrees
 constexpr double least_spike_radii = 0.15;  // in mean radii of the lumen; a lower spike hardly changes a section
 constexpr double least_outlier_ratio = 8;   // in units of the scatter of the vertices round it about a smooth wall
-constexpr double least_ring_height = 0.35;  // in mean edges; a vertex nearer to the plane of its ring is not examined
+constexpr double least_ring_height = 0.35;  // in mean edge lengths; a vertex nearer to its ring's plane is not examined
 constexpr std::size_t most_neighbours = 12; // a vertex with more is the apex of a fan over a whole end, not a spike
 constexpr Eigen::Index quadric_terms = 6;   // coefficients of a quadric; three more points are needed for the scatter
 

@@ -15,7 +15,8 @@ constexpr double widest_coronary = 12;    // mm, diameter of the widest ectatic 
 constexpr double aorta_with_one_end = 18; // mm, least width of an aorta closed at the valve; coronary sacs have less
 constexpr double widest_ostium = 9;       // mm, largest diameter of a coronary ostium
 constexpr double narrowest_ostium = 0.8;  // mm, smallest diameter of a coronary ostium
-// About so many vertices of the wall give the balls: for the result, and for the quick test may_hold_ball().
+// Numbers of the wall's vertices, roughly, from which the balls are computed: for the result, and for the quick test
+// may_hold_ball().
 constexpr std::size_t final_vertices = 60000, trial_vertices = 3000;
 constexpr double plane_step_radii = 0.25;     // distance between the planes that are tried across a tree, in ball radii
 constexpr double funnel_ratio = 1.15;         // in an ostium's funnel, balls one radius apart differ by a larger ratio
@@ -23,8 +24,8 @@ constexpr double similar_area_ratio = 1.25;   // up to this ratio the areas of s
 constexpr double largest_section_ratio = 2.5; // in areas of the ball's circle; a larger section extends into the aorta
 constexpr double longest_funnel = 20; // mm; the ostium's plane is sought within this length of the tree from the aorta
 constexpr double arch_direction_length = 15; // mm of the trunk's path that give the direction to the arch
-constexpr double tree_end_radii = 2;         // an end within so many ball radii of a ball of a tree belongs to the tree
-constexpr double tree_tip_radii = 4; // a tip of the surface within so many, too; a cap's corner lies at about 1.5
+constexpr double tree_end_radii = 2;         // an end within this many ball radii of a tree's ball belongs to the tree
+constexpr double tree_tip_radii = 4; // the same for a tip of the surface; a corner of a cap is a tip at about 1.5
 // Least prominence (mm along the surface) of a vessel that is reported as lost.
 constexpr double least_lost_prominence = 10;
 // Least ratio of the distances from the ostia to the aorta's two ends. Below it, the side of the arch is unsure.

@@ -28,7 +28,8 @@ def vessel():
 
 @pytest.fixture
 def written(tmp_path):
-    """written(summary, sections) -> a folder with anatomy.json and sections.csv, as `lumen process` writes them."""
+    """Function written(summary, sections) that makes a folder with anatomy.json and sections.csv, as `lumen process`
+    does."""
 
     def write(summary, sections):
         folder = tmp_path / "anatomy"

@@ -1,4 +1,4 @@
-"""Images of one straight vessel along z, by the formulas of blurred discs."""
+"""Images of a straight vessel along z, computed by the formula of a blurred disc."""
 
 import numpy as np
 
@@ -10,9 +10,9 @@ LENGTH_MM, RADIUS_MM, SIGMA_MM = 40.0, 1.6, 0.315
 
 
 def image(blood=400.0, falls=0.0, wall=50.0, fat=-80.0, noise=20.0, voxel=0.4, narrow_mm=None):
-    """Image of a vessel with a wall of 0.7 mm in fat; its blood falls by `falls` HU over the 40 mm.
+    """Image of a vessel with a wall of 0.7 mm in fat. The CT number of its blood falls by `falls` HU over the 40 mm.
 
-    narrow_mm: radius from 6 to 34 mm along it; None where it is as wide as the rest.
+    narrow_mm: radius between 6 and 34 mm along the vessel; None: the same as elsewhere.
     """
     rng, side = np.random.default_rng(4), 0.5 * voxel * 31
     x = np.arange(32) * voxel - side
@@ -34,5 +34,5 @@ def ends(reverse=False):
 
 
 def settings(**changes):
-    """The settings of the segmentation, by default."""
+    """The settings of the segmentation: the defaults, with `changes`."""
     return config.load_section(None, "ct")["segmentation"] | changes

@@ -6,19 +6,19 @@ SPACING_MM, NEAR_END_MM = 0.25, 2.0
 
 
 def focal(centre, length, percent):
-    """A narrowing (cosine) as a function of s: share of the diameter that is lacking."""
+    """A cosine narrowing: function of s that gives the share of the diameter that is lost."""
     return lambda s: np.where(
         np.abs(s - centre) < length / 2, percent / 200 * (1 + np.cos(2 * np.pi * (s - centre) / length)), 0
     )
 
 
 def plateau(start, end, percent, ramp=0.5):
-    """A narrowing of even depth from start to end, with ramps inside."""
+    """A narrowing of constant depth from start to end. The ramps at its ends lie inside this range."""
     return lambda s: percent / 100 * np.interp(s, [start, start + ramp, end - ramp, end], [0, 1, 1, 0])
 
 
 def worst_of(*shapes):
-    """The deepest of several narrowings at each place, one lesion."""
+    """One lesion from several narrowings: at each place the deepest of them."""
     return lambda s: np.max([shape(s) for shape in shapes], axis=0)
 
 

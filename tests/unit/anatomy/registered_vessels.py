@@ -51,7 +51,7 @@ def tree_of(branches, parents, radius=1.5):
 
 
 def vessel(seed=1):
-    """60 mm with a branch at 20 mm and one at 40 mm."""
+    """A vessel of 60 mm with side branches at 20 and 40 mm."""
     main = curve(60, seed)
     side1 = curve(15, seed + 10, main[40], np.cross(main[41] - main[40], [0, 0, 1]) + 0.5 * (main[41] - main[40]))
     side2 = curve(12, seed + 20, main[80], np.cross(main[81] - main[80], [0, 1, 0]) + 0.5 * (main[81] - main[80]))
@@ -75,7 +75,7 @@ def moved(tree, keep=None, names=None, noise=0.05, change=None):
 
 
 def registered(pre, post, landmarks=NO_LANDMARKS):
-    """(Found, Match, Target), refused as the command does."""
+    """(SearchResult, Match, Target) of a registration. Refuses what the command refuses."""
     placement_checks.check_landmarks("case", pre, post, landmarks)
     target = Target(pre)
     found = axes_refinement.refine_by_axes(target, post, search.find_placement(pre, post, landmarks), landmarks)
@@ -95,7 +95,7 @@ def straight(length_mm, radius=1.5):
 
 
 def bent(first, last, radius=1.5, bow_mm=0.0):
-    """Part of a vessel along z whose axis wanders by a tenth of a millimetre, bowed over its 30 mm."""
+    """A part of a vessel of 30 mm along z, bowed by bow_mm. Its axis wanders by a tenth of a millimetre."""
     z = np.arange(first, last, STEP_MM)
     sway = 0.1 * np.sin(z / 2), 0.1 * np.cos(z / 3) + bow_mm * np.sin(2 * np.pi * z / 30)
     return tree_of({"main": np.column_stack([*sway, z])}, {}, radius)

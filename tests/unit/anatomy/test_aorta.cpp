@@ -40,7 +40,7 @@ Mesh aorta_with(double trunk_radius, const std::vector<double>& angles, double s
     all = both;
   }
   all.collect_garbage();
-  // real walls are not perfectly round: the points of such rings have no sphere of their own
+  // Real walls are not perfectly round. The points of a round ring would have no definite circumsphere.
   std::mt19937 random(1);
   std::uniform_real_distribution<double> off(-0.02 * scale, 0.02 * scale);
   for (Vertex v : all.vertices())
@@ -69,7 +69,8 @@ TEST(Aorta, TreesAreNamedByTheirOrderRoundIt) {
 
 TEST(Aorta, NamesFollowTheArch) {
   Mesh mesh = aorta_with(12, {-85, 40});
-  for (Vertex v : mesh.vertices()) // turned upside down: the arch is where it was, the order the other way round
+  // turns the vessel upside down: the arch stays in place, but the order of the ostia is reversed
+  for (Vertex v : mesh.vertices())
     mesh.point(v) = Point(mesh.point(v).x(), -mesh.point(v).y(), -mesh.point(v).z());
   const auto aorta = find_aorta(mesh);
   ASSERT_TRUE(aorta && aorta->trees.size() == 2);

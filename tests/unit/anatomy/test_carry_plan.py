@@ -1,4 +1,5 @@
-"""A plan carried to another reading of the same lumen: the same places in space, whatever the arc length there."""
+"""A plan is transferred to another segmentation of the same lumen. Devices keep their places in space, whatever the arc
+length there."""
 
 import csv
 import json

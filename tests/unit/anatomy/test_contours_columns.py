@@ -33,7 +33,7 @@ def found(tmp_path, head, order, divider=",", units="mm", quote="", more=()):
     ],
 )
 def test_columns_are_read_by_their_names(tmp_path, head, order):
-    """A table of z, x, y, frame was once read as frame, x, y, z, with areas of another vessel."""
+    """Formerly a table of z, x, y, frame was read as frame, x, y, z. The areas were those of another vessel."""
     assert found(tmp_path, head, order)[:, :4] == pytest.approx(np.array(ROWS, float))
 
 
@@ -75,7 +75,7 @@ def test_a_fifth_column_that_numbers_no_outline_is_not_read(tmp_path, head, plac
     ],
 )
 def test_named_columns_are_read_from_among_others(tmp_path, head, cells, number):
-    """They were refused: six columns, and words, which no number of a point depends on."""
+    """Formerly tables with six columns, or with words in columns that are not read, were refused."""
     (tmp_path / "lumen.csv").write_text("\n".join([head, *(cells.format(*row) for row in ROWS)]) + "\n")
     rows = tables.read_rows(tmp_path / "lumen.csv", "mm")
     assert rows[:, :4] == pytest.approx(np.array(ROWS, float)) and (rows[:, 4] == number).all()
@@ -98,7 +98,8 @@ def test_what_is_read_of_several_columns_must_be_numbers_in_all_lines(tmp_path):
 
 @pytest.mark.parametrize("wander, what", [(0, "one plane"), (0.01, "too few points")])
 def test_columns_in_another_order_without_names_are_told(tmp_path, wander, what):
-    """Each x was taken for a frame, of a few points: the order of columns is the likelier remedy."""
+    """Each x is taken for a frame, so frames have few points. The message says that the order of the columns is the
+    likely cause."""
     rows = [(float(x) + wander * float(z), y, z, frame) for frame, x, y, z in ROWS]
     (tmp_path / "lumen.csv").write_text("\n".join(",".join(map(str, row)) for row in rows) + "\n")
     with pytest.raises(InputError, match=f"(?s){what}.*Without names frame, x, y, z over them"):

@@ -36,7 +36,7 @@ def test_a_pull_back_without_a_healthy_frame_takes_the_usual_wall(table, tmp_pat
 
 @pytest.mark.parametrize("wall, told", [(0.0, True), (0.09, True), (0.11, False)])
 def test_a_wall_thinner_than_its_media_is_told(table, tmp_path, wall, told):
-    """The lumen's own table given as the outer wall: no plaque in a lesion, without a word."""
+    """If the lumen's own table is given as the outer wall, a lesion has no plaque. The user must be warned."""
     radii = np.array([1.5, 1.5, 1.0, 1.5])
     files = {"lumen": table(tube(radii)), "outer_wall": table(tube(radii + wall), "wall.csv")}
     found = [one for one in run.run(files, tmp_path / "out")["warnings"] if "the media alone" in one]
@@ -62,7 +62,8 @@ def plaque_along(folder):
 
 @pytest.mark.parametrize("traced", [(3, 83), (3, 13, 83), (3, 13, 63, 83)])
 def test_between_its_frames_the_wall_itself_is_interpolated(table, tmp_path, traced):
-    """Traced in healthy frames alone; its thickness, interpolated, once gave the throat a healthy wall."""
+    """The wall was traced in healthy frames alone. When its thickness was interpolated instead, the throat got a
+    healthy wall."""
     radii = [1.5, 1.5, 1.5, 1.2, 0.9, 1.2, 1.5, 1.5, 1.5]
     wall = {name: value for name, value in tube([1.7] * 9).items() if name in traced}
     files = {"lumen": table(tube(radii)), "outer_wall": table(wall, "wall.csv")}
@@ -74,7 +75,8 @@ def test_between_its_frames_the_wall_itself_is_interpolated(table, tmp_path, tra
 
 
 def test_beyond_its_frames_the_wall_is_not_known(table, tmp_path):
-    """Traced in a lesion of 0.8 mm of plaque alone, which once went on through the healthy vessel."""
+    """The wall was traced only in a lesion with 0.8 mm of plaque. Formerly this plaque continued through the healthy
+    vessel."""
     wall = {name: value for name, value in tube([1.8] * 7).items() if name in (23, 33, 43)}
     calcium = {3: (0.0, sector(1.6, 1.7, 20, 110))}
     files = {"lumen": table(tube([1.5, 1.5, 1.2, 0.9, 1.2, 1.5, 1.5])), "outer_wall": table(wall, "wall.csv")}
@@ -92,7 +94,7 @@ def test_a_lumen_outside_its_outer_wall_is_refused(table, tmp_path):
     with pytest.raises(InputError, match="outside the outer wall"):
         run.run(files, tmp_path / "out")
     assert not (tmp_path / "out" / "lumen.vtp").exists()
-    files["outer_wall"] = table(tube([1.7, 1.41, 1.7]), "wall.csv")  # hand-drawn lines that cross by 0.09 mm
+    files["outer_wall"] = table(tube([1.7, 1.41, 1.7]), "wall.csv")  # crosses by 0.09 mm, as hand-drawn lines may
     run.run(files, tmp_path / "out")
 
 

@@ -1,4 +1,4 @@
-"""A pull-back of probably other units, the other way round, or of mixed phases is warned of; sound ones are not."""
+"""Warnings of pull-backs with probably wrong units, the wrong direction or mixed phases. Sound ones get no warning."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def test_a_lumen_too_wide_or_too_narrow_for_its_units(table, tmp_path, radius, t
 
 @pytest.mark.parametrize("turned, told", [(False, False), (True, True)])
 def test_a_vessel_that_widens_towards_its_distal_end(table, tmp_path, turned, told):
-    """z rises from the distal end; a lesion in the proximal third does not count."""
+    """z rises from the distal end. A lesion in the proximal third must not make this third count as narrow."""
     radii = np.linspace(1.2, 1.8, 13)
     radii[10] = 0.9
     found = warnings_of(table, tmp_path / "out", tube(radii[::-1] if turned else radii))
@@ -30,19 +30,19 @@ def test_a_vessel_that_widens_towards_its_distal_end(table, tmp_path, turned, to
 
 
 def numbered(spacing, count=20):
-    """Frames 0 to 19 at a distance of `spacing` mm."""
+    """Frames 0 to 19, `spacing` mm apart."""
     frames = tube([1.5] * count, spacing=spacing).values()
     return {k: (k * spacing, outline) for k, (_, outline) in enumerate(frames)}
 
 
 @pytest.mark.parametrize("spacing, told", [(1.0, True), (0.5, False)])
 def test_z_that_counts_frames(table, tmp_path, spacing, told):
-    """The vessel would be twice as long, and so its lesion."""
+    """If frame numbers are taken for z in mm, vessel and lesion become twice as long."""
     assert said(warnings_of(table, tmp_path / "out", numbered(spacing)), "z is the frame's number") == told
 
 
 def test_the_columns_of_frame_and_z_exchanged(table, tmp_path):
-    """Without known names the first column is the frame."""
+    """The column names are not known, so the first column is taken for the frame."""
     frames = {0.5 * k: (float(k), outline) for k, (_, outline) in numbered(1.0).items()}
     assert said(warnings_of(table, tmp_path / "out", frames), "are the two columns exchanged")
 
@@ -70,7 +70,8 @@ def test_a_lesion_between_two_healthy_ends_is_no_mixture_of_phases(table, tmp_pa
     [(0.45, 0.5, True), (3.0, 0.5, True), (2.2, 0.5, True), (2.05, 0.5, False), (0.45, 1.1, False)],
 )
 def test_a_frame_that_is_much_wider_or_narrower_than_its_neighbours(table, tmp_path, radius, spacing, told):
-    """Of 1.5 mm. In four real pull-backs areas within 1 mm differ by 1.97 at most."""
+    """The neighbours have a radius of 1.5 mm. In four real pull-backs, areas less than 1 mm apart differ by a factor of
+    1.97 at most."""
     frames = tube([1.5] * 8 + [radius] + [1.5] * 8, spacing=spacing)
     found = [one for one in warnings_of(table, tmp_path / "out", frames) if "changes by more than a factor" in one]
     assert len(found) == told
@@ -79,7 +80,8 @@ def test_a_frame_that_is_much_wider_or_narrower_than_its_neighbours(table, tmp_p
 
 
 def test_frames_in_the_guide_catheter(table, tmp_path):
-    """1.8 mm wide behind a vessel of 3.4 mm; z from the proximal end is told as the table has it."""
+    """The catheter is 1.8 mm wide, the vessel 3.4 mm. The message gives z as the table has it, from the proximal
+    end."""
     frames = tube([0.9] * 6 + [1.7] * 20, spacing=0.5)
     (found,) = [
         one
@@ -92,7 +94,8 @@ def test_frames_in_the_guide_catheter(table, tmp_path):
 @pytest.mark.parametrize("left, told", [(30, True), (50, True), (52, False)])
 @pytest.mark.parametrize("shift", [0, 9])
 def test_an_outline_of_which_a_part_is_missing(table, tmp_path, left, told, shift):
-    """Of 60 points. Half was closed by a chord, and had the area of a lesion. 60 degrees have a radius' chord."""
+    """The outline has 60 points, of which `left` are kept. Formerly half an outline was closed by a chord, and its area
+    looked like a lesion. A missing part of 60 degrees has a chord as long as the radius."""
     frames = tube([1.5] * 8, spacing=0.5)
     frames[43] = (frames[43][0], np.roll(frames[43][1][:left], shift, axis=0))
     found = warnings_of(table, tmp_path / "out", frames)
@@ -103,12 +106,12 @@ def test_a_point_of_an_outline_far_off(table, tmp_path):
     frames = tube([1.5] * 8, spacing=0.5)
     frames[43][1][10] += (2.5, 1.0)
     assert said(warnings_of(table, tmp_path / "out", frames), "a point far off")
-    frames = tube([1.5] * 8, spacing=0.5, count=8)  # drawn by few points, all steps long
+    frames = tube([1.5] * 8, spacing=0.5, count=8)  # drawn by few points, so all steps are long
     assert not said(warnings_of(table, tmp_path / "few", frames), "a point far off")
 
 
 def test_the_record_has_the_area_of_the_lumen_that_is_built(table, tmp_path):
-    """Eight corners enclose 10 % less than the circle that they lie on."""
+    """The octagon through eight points encloses 10 % less than their circle. The surface follows the circle."""
     document = run.run({"lumen": table(tube([1.5] * 5, count=8))}, tmp_path / "out")
     assert document["frames"][2]["lumen_area_mm2"] == pytest.approx(np.pi * 1.5**2, rel=0.005)
 

@@ -1,4 +1,4 @@
-"""Blood whose CT number changes along the vessel: the level that the edges are read from goes with it."""
+"""The CT number of the blood changes along the vessel. The level at which edges are read must follow it."""
 
 import ct_vessels
 import numpy as np
@@ -14,7 +14,8 @@ ALL = np.ones(len(S), bool)
 @pytest.mark.parametrize("method, off", [("psf_edge", 0.03), ("half_maximum", 0.06), ("threshold", 0.06)])
 @pytest.mark.parametrize("reverse", [False, True])
 def test_a_vessel_keeps_its_radius_where_the_contrast_falls(method, off, reverse):
-    """By 120 HU of 400: one level for all of it made calcium of the brighter third, and a lumen of half the radius."""
+    """The contrast falls by 120 HU of 400. With one level for the whole vessel, the brighter third was taken for
+    calcium, and the lumen had half its radius."""
     image = ct_vessels.image(falls=120.0)
     found = segment.segment(image, ct_vessels.ends(reverse), ct_vessels.settings(method=method))
     tube = found["tubes"][0]
@@ -27,7 +28,8 @@ def test_a_vessel_keeps_its_radius_where_the_contrast_falls(method, off, reverse
 
 
 def test_a_vessel_that_is_narrow_over_most_of_its_length_is_not_too_noisy():
-    """The blur lowers the axis of the narrow part; that is neither its blood nor noise."""
+    """Blur lowers the CT number on the axis of the narrow part. This must count neither as darker blood nor as
+    noise."""
     found = segment.segment(ct_vessels.image(narrow_mm=0.65), ct_vessels.ends(), ct_vessels.settings())
     tube = found["tubes"][0]
     assert tube.radius(np.array([12.0, 20.0, 28.0])) == pytest.approx(0.65, abs=0.05)
@@ -36,7 +38,7 @@ def test_a_vessel_that_is_narrow_over_most_of_its_length_is_not_too_noisy():
 
 
 def test_the_level_that_is_contoured_follows_the_blood():
-    """Half-way between the blood here and the tissue, so that the fainter end is not thinner."""
+    """The level is half-way between the blood at this place and the tissue. So the fainter end is not found thinner."""
     found = segment.segment(ct_vessels.image(falls=120.0), ct_vessels.ends(), ct_vessels.settings(method="threshold"))
     for z in (3.0, 37.0):
         x = np.linspace(1.0, 2.2, 121)
@@ -49,7 +51,8 @@ def test_lesions_and_calcium_do_not_bend_the_trend():
     disturbed = np.where((S > 2) & (S < 8), hu + 300, np.where((S > 24) & (S < 30), hu - 200, hu))
     found = blood.fit_trend(S, disturbed, ALL, None)
     assert found(S) == pytest.approx(hu, abs=8)
-    assert blood.fit_trend(S, hu, (S > 12) & (S < 30), None)(S) == pytest.approx(hu, abs=2)  # carried on to the ends
+    # the line is continued to the ends
+    assert blood.fit_trend(S, hu, (S > 12) & (S < 30), None)(S) == pytest.approx(hu, abs=2)
 
 
 def test_a_long_vessel_may_fall_faster_in_a_part():
@@ -87,7 +90,7 @@ def test_blood_cut_off_by_a_window_is_warned_of(top, smoothing):
 
 @pytest.mark.parametrize("smoothing", [0.0, 0.7])
 def test_an_assumed_point_spread_includes_the_smoothing(monkeypatch, smoothing):
-    """Where no section is wide enough to measure it: 0.7 mm of the scanner, and what the smoothing adds."""
+    """No section is wide enough to measure the point spread. Assumed are 0.7 mm of the scanner, plus the smoothing."""
     monkeypatch.setattr(edges, "point_spread", lambda *given: None)
     settings = ct_vessels.settings(smoothing_fwhm_mm=smoothing)
     found = segment.segment(ct_vessels.image(), ct_vessels.ends(), settings)
@@ -95,7 +98,8 @@ def test_an_assumed_point_spread_includes_the_smoothing(monkeypatch, smoothing):
 
 
 def test_calcium_cut_off_is_none_of_the_bloods():
-    """A window that ends above the blood takes nothing from the edge; nor do single voxels of blood at its top."""
+    """A display window that ends above the blood does not move the edge. Single voxels of blood at its upper limit do
+    not either."""
     image = ct_vessels.image()
     image.values = np.clip(image.values, -160, 420)
     found = segment.segment(image, ct_vessels.ends(), ct_vessels.settings())

@@ -1,4 +1,4 @@
-"""End points of a CT's vessels: what may stand beside what is refused, and what the user is told."""
+"""End points of the vessels in a CT: values on both sides of each limit, and the messages of refusals."""
 
 import ct_vessels
 import nibabel
@@ -36,7 +36,7 @@ def test_a_line_may_end_a_radius_away_from_its_point(miss, near):
 
 
 def test_a_centreline_reaches_every_outlet():
-    """A branch whose line was missing was left out without a word."""
+    """Each outlet needs its own line. Formerly a branch without a line was left out without a message."""
     ends = [("inlet", np.zeros(3)), ("outlet1", np.array([0.0, 0.0, 20.0])), ("outlet2", np.array([10.0, 0.0, 10.0]))]
     main = np.column_stack([np.zeros(60), np.zeros(60), np.linspace(0, 20, 60)])
     side = np.column_stack([np.linspace(0, 10, 60), np.zeros(60), np.full(60, 10.0)])
@@ -48,7 +48,8 @@ def test_a_centreline_reaches_every_outlet():
 
 
 def test_a_centreline_off_the_axis_is_centred():
-    """Lines of workstations are some tenths of a millimetre off; such a line, used as it was, made a false lesion."""
+    """Centrelines of workstations are off by some tenths of a millimetre. Used without centring, such a line made a
+    false lesion."""
     z = np.linspace(0.5, ct_vessels.LENGTH_MM - 0.5, 120)
     off = np.column_stack([0.7 * np.exp(-(((z - 20) / 5) ** 2)), np.zeros(120), z])
     found = segment.segment(ct_vessels.image(), ct_vessels.ends(), ct_vessels.settings(), {"main": off})
@@ -59,7 +60,7 @@ def test_a_centreline_off_the_axis_is_centred():
 
 @pytest.mark.parametrize("share, filled", [(0.52, True), (0.48, False)])
 def test_an_end_point_in_half_the_contrast_is_in_the_vessel(share, filled):
-    """The throat of a thin branch, blurred: half the blood's number is left on its axis."""
+    """In the blurred throat of a thin branch, the CT number on the axis is only half that of the blood."""
     values = np.full((20, 20, 20), BLOOD * share, np.float32)
     block = image.Image(values, np.zeros(3), np.full(3, 0.5))
     if filled:
@@ -71,7 +72,7 @@ def test_an_end_point_in_half_the_contrast_is_in_the_vessel(share, filled):
 
 @pytest.mark.parametrize("share, passable", [(0.22, True), (0.18, False)])
 def test_a_fifth_of_the_contrast_is_a_way(share, passable):
-    """A vessel with a gap of 1.5 mm that holds a share of the blood's number."""
+    """The vessel has a gap, in which the CT number is the given share of the blood's."""
     x, y, z = np.meshgrid(*3 * [np.arange(60) * 0.4], indexing="ij")
     values = np.where(np.hypot(x - 12, y - 12) < 1.6, BLOOD, 0).astype(np.float32)
     values[np.where((np.abs(z - 12) < 2.5) & (np.hypot(x - 12, y - 12) < 2.4))] = share * BLOOD
@@ -101,7 +102,8 @@ def fork(length):
 
 @pytest.mark.parametrize("length, leaves", [(3.7, True), (3.2, False), (1.6, False)])
 def test_a_branch_needs_five_sections_outside_its_parent(length, leaves):
-    """Rays clear the parent 2.3 mm from its axis; a branch that never does is no branch of the whole length."""
+    """From 2.3 mm off the parent's axis, rays no longer run into the parent. A branch that ends before that has no
+    sections of its own."""
     at, lines = fork(length)
     main = segment._measure_tube(at, lines[0], None, "half_maximum", BLOOD, None, 0.25, 24)[0]
     if leaves:
@@ -115,7 +117,8 @@ def test_a_branch_needs_five_sections_outside_its_parent(length, leaves):
 
 
 def test_a_lumen_without_a_surface_names_the_settings(monkeypatch):
-    """Instead of a spacing that no setting is called by."""
+    """The message names settings that the user can change. It does not ask for "a finer spacing", which is no
+    setting."""
 
     def turned(*_):
         raise ComputationError("the edge of an end turns back", "lumen surface", "near [1, 2, 3] mm", "a finer spacing")
@@ -125,13 +128,13 @@ def test_a_lumen_without_a_surface_names_the_settings(monkeypatch):
     found = {"field": None, "blood_hu": 400.0, "noise_hu": 50.0, "ends": [("inlet", np.array([1.0, 2.0, 3.0]))]}
     with pytest.raises(ComputationError, match=r"(?s)turns back.*\[-1.0, -2.0, 3.0\].*noise 7.0.*surface_spacing_mm"):
         segment._surface(found, 0.2, block)
-    # The points may be right and the path not: a chamber that touches the vessel draws it in.
+    # The points may be right although the path is wrong: it may run through a chamber that touches the vessel.
     with pytest.raises(ComputationError, match="or give your own lines .--centreline.* chamber"):
         segment._surface(found, 0.2, block)
 
 
 def test_an_end_point_outside_is_told_in_the_users_coordinates(tmp_path):
-    """x and y of the other convention: the point and the volume's extent are those of the file."""
+    """x and y have the signs of the other convention. The message gives point and volume in the file's coordinates."""
     values = np.full((40, 40, 40), BLOOD, np.float32)
     values[:, :20] = -80  # fat, as round any vessel
     values[:3, :3, :3] = BLOOD
@@ -161,12 +164,12 @@ def test_an_inlet_must_lie_in_contrast(share, contrast):
 
 @pytest.mark.parametrize("inlet", [[-3.0, 2.0, 1.0], [-3.0, 6.0, 1.0]])
 def test_points_of_the_other_convention_are_recognised(inlet):
-    """Inside the volume or outside it, the reversed point lies in bright blood."""
+    """The given point lies inside the volume or outside it. With x and y reversed it lies in bright blood."""
     values = np.full((40, 40, 20), -80.0)
     origin = np.array([-8.0, -8.0, -2.0])
     x, y = (origin[k] + 0.4 * np.arange(40) for k in (0, 1))
     values[np.hypot(x[:, None] - 3, y[None] + inlet[1]) < 1.5] = BLOOD
-    low = 0 if inlet[1] < 5 else 5  # without its first columns, or of its last ones too few
+    low = 0 if inlet[1] < 5 else 5  # cut off columns, so that the given point lies outside the volume
     block = image.Image(values[:, : 40 - 2 * low], origin, np.full(3, 0.4))
     said = r"(?s)inlet.*\[3.0, -\d.0, 1.0\], with x and y reversed, has 400 HU: the point is of the other convention"
     with pytest.raises(InputError, match=said):
@@ -175,13 +178,14 @@ def test_points_of_the_other_convention_are_recognised(inlet):
 
 @pytest.mark.parametrize("points", [np.ones((5, 3)), np.full((5, 3), np.nan)])
 def test_an_axis_without_length_is_an_error_of_the_users(points):
-    """Instead of a traceback from the spline."""
+    """The user gets an error message, not a traceback from the spline."""
     with pytest.raises(ComputationError, match="(?s)axis has no length.*CT numbers.*centreline"):
         paths.smooth_curve(points)
 
 
 def test_an_end_between_thick_slices_has_blood():
-    """No voxel lay within 0.6 mm of the point: its blood was nan, and the search for the vessel broke off."""
+    """No voxel lies within 0.6 mm of the point. Formerly its blood was nan then, and the search for the vessel broke
+    off."""
     fine = ct_vessels.image(noise=0.0)
     thick = image.Image(fine.values[..., ::7], fine.origin_mm, fine.spacing_mm * [1, 1, 7])
     between = np.array([0.0, 0.0, fine.origin_mm[2] + 2.5 * 2.8])

@@ -159,7 +159,8 @@ def test_incomplete_or_unfit_series_are_refused(volume, tmp_path):
 
 
 def test_positions_rounded_to_a_tenth_of_a_millimetre_are_even(volume, tmp_path):
-    """Slices 0.45 mm apart, written 0.4 and 0.5 apart; those that alternate by more are no even series."""
+    """Slices 0.45 mm apart are written as 0.4 and 0.5 mm apart. A series with larger differences is not even, and is
+    refused."""
     affine = oblique()
     affine[2, 2] = 0.45
     for extra, even in ((0.0, True), (0.3, False)):
@@ -235,7 +236,7 @@ def test_what_is_no_volume_is_refused(volume, tmp_path):
     nibabel.save(nibabel.Nifti1Image(volume.values + 1024, affine), tmp_path / "raw.nii")
     with pytest.raises(InputError, match="no CT numbers"):
         volumes.read(tmp_path / "raw.nii")
-    for padding in (0, -2000):  # round the scanner's circle, where nothing was measured
+    for padding in (0, -2000):  # value in the corners outside the scanner's circle, where nothing was measured
         padded = volume.values + 1024
         padded[:6] = padding
         nibabel.save(nibabel.Nifti1Image(padded, affine), tmp_path / "padded.nii")
@@ -265,7 +266,7 @@ def test_header_is_nifti_with_two_frames_and_millimetres(volume, tmp_path):
     head = (tmp_path / "ct.nii").read_bytes()[:352]
     assert head[344:348] == b"n+1\0"
     qform, sform = np.frombuffer(head, "<i2", 2, 252)
-    assert qform > 0 and sform > 0 and head[123] & 7 == 2  # both frames stand; unit code 2: mm
+    assert qform > 0 and sform > 0 and head[123] & 7 == 2  # both qform and sform are set; unit code 2: mm
     assert np.allclose(np.frombuffer(head, "<f4", 3, 268), volume.origin_mm)
     rows = np.frombuffer(head, "<f4", 12, 280).reshape(3, 4)
     assert np.allclose(rows[:, :3], np.diag(volume.spacing_mm), atol=1e-6)

@@ -1,4 +1,4 @@
-"""A wall that is not as bright as the edges assume: the error that is stated is the one that is made."""
+"""The wall is brighter or darker than the method assumes. The error that the warning states is the true one."""
 
 from types import SimpleNamespace
 
@@ -28,7 +28,8 @@ def test_the_stated_error_is_that_of_the_radius(blood, wall):
 
 
 def sections(wall_hu, beside_hu, gap_mm):
-    """Twelve sections of a vessel of 400 HU, its wall in fat, with something flat gap_mm from the lumen on one side."""
+    """Twelve sections of a vessel of 400 HU whose wall lies in fat. On one side there is a structure with a flat face,
+    gap_mm from the lumen."""
     radius, sigma = ct_vessels.RADIUS_MM, ct_vessels.SIGMA_MM
     theta, r = np.linspace(0, 2 * np.pi, 32, endpoint=False), np.arange(0, 4, 0.05)
     hu = -80 + (wall_hu + 80) * blurred_disc(r, radius + 0.7, sigma) + (400 - wall_hu) * blurred_disc(r, radius, sigma)
@@ -40,7 +41,8 @@ def sections(wall_hu, beside_hu, gap_mm):
 @pytest.mark.parametrize("wall_hu", [50.0, 110.0])
 @pytest.mark.parametrize("beside_hu, gap_mm", [(420.0, 0.7), (420.0, 1.0), (420.0, 1.4), (100.0, 0.8), (-80.0, 1.0)])
 def test_what_lies_on_one_side_is_not_the_wall(wall_hu, beside_hu, gap_mm):
-    """A chamber, a vein or muscle was read as a wall of 8 to 200 HU, and right radii were called wrong by 0.35 mm."""
+    """Formerly a chamber, a vein or muscle beside the vessel was read as a wall of 8 to 200 HU. A warning then said
+    that correct radii were wrong by 0.35 mm."""
     profiles = sections(wall_hu, beside_hu, gap_mm)
     found = wall.measured_wall_hu(profiles, np.full((12, 32), ct_vessels.RADIUS_MM), 400.0, np.full(12, True))
     assert found - wall.FIT_BIAS_HU == pytest.approx(wall_hu, abs=20)
@@ -48,7 +50,8 @@ def test_what_lies_on_one_side_is_not_the_wall(wall_hu, beside_hu, gap_mm):
 
 
 def test_calcium_near_the_lumen_is_said_to_widen_it():
-    """It was said of calcium that touches alone; at 0.15 to 0.2 mm a throat's area was found 14 to 20 % too large."""
+    """Formerly only calcium that touches the lumen was said to widen it. But calcium at 0.15 to 0.2 mm made a throat's
+    area 14 to 20 % too large."""
     met = np.tile(np.arange(32) < 8, (12, 1))
     places = met, np.where(met, ct_vessels.RADIUS_MM + 0.2, np.inf), np.full(12, False)
     tube = SimpleNamespace(name="main", radii_mm=np.full((12, 32), ct_vessels.RADIUS_MM))

@@ -28,7 +28,7 @@ Mesh open_tube(double edge, const Vec3& axis) {
 }
 
 TEST(Filled, ClosesAHoleLargeOrSmall) {
-  for (double edge : {0.2, 0.035}) { // the second: more edges than are searched among all triangles
+  for (double edge : {0.2, 0.035}) { // the second hole has too many edges to be filled in one part
     Mesh mesh = open_tube(edge, Vec3::UnitX());
     for (const Loop& loop : boundary_loops(mesh))
       EXPECT_EQ(fill_hole(mesh, loop.halfedge).size(), loop.halfedges - 2);
@@ -38,7 +38,7 @@ TEST(Filled, ClosesAHoleLargeOrSmall) {
 
 TEST(Capped, ClosesAPlaneLoopByAFlatCap) {
   for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 0, 1), Vec3(0.6, -0.8, 0), Vec3(-0.5, 0.7, 0.1)})
-    for (double edge : {0.4, 0.1, 0.035}) { // the last: more edges than are searched among all triangles
+    for (double edge : {0.4, 0.1, 0.035}) { // the last hole has too many edges to be filled in one part
       Mesh mesh = open_tube(edge, axis.normalized());
       for (const Loop& loop : boundary_loops(mesh)) {
         const std::vector<Face> cap = cap_loop(mesh, loop);
@@ -51,7 +51,7 @@ TEST(Capped, ClosesAPlaneLoopByAFlatCap) {
     }
 }
 
-// Free and taken memory strewn about, so that what is built next lies in another order.
+// Allocates and frees scattered memory, so that what is built next lies at other addresses.
 std::vector<std::vector<char>> strewn(unsigned seed) {
   std::mt19937 random(seed);
   std::vector<std::vector<char>> blocks;
@@ -94,7 +94,8 @@ TEST(SelfIntersections, AreRemovedTheSameWayWhereverTheSearchLiesInMemory) {
   shapes::Tube tube = shapes::straight(1.5, 6);
   tube.edge = 0.1;
   Soup soup = shapes::soup_of(tube);
-  soup.points[soup.points.size() - 1] = Point(6, 2.5, 0); // a cap's fan through the wall: what it leaves is plane
+  // the fan of a cap goes through the wall; its repair leaves a plane hole
+  soup.points[soup.points.size() - 1] = Point(6, 2.5, 0);
   const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitX(), Vec3(-0.5, 0.7, 0.1));
   for (Point& p : soup.points)
     p = point(turn * vec(p)); // to rounding: many equal fillings

@@ -38,7 +38,7 @@ TEST(InnerBalls, ABallBesideACapThatLeadsNowhereIsNotItsBall) {
     balls.radius.push_back(1);
     balls.neighbours.emplace_back();
   }
-  balls.neighbours[8].push_back(9); // the two know each other, and nothing else
+  balls.neighbours[8].push_back(9); // these two are neighbours of each other and of no other ball
   balls.neighbours[9].push_back(8);
   EXPECT_EQ(ball_at_end(balls, end_at_origin()), 0u);
 }
@@ -47,7 +47,8 @@ TEST(InnerBalls, AnEndWithNothingButSuchBallsHasNoAxis) {
   EXPECT_THROW(ball_at_end(in_a_row(2), end_at_origin()), common::ComputationError);
 }
 
-// The points of a rim lie on one circle, and which tetrahedra they make is up to rounding.
+// The points of a rim lie on one circle, so rounding decides which tetrahedra they form. So the tube is tried in many
+// orientations.
 TEST(InnerBalls, EveryTurnOfATubeHasAWayThroughIt) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;

@@ -21,7 +21,8 @@ def test_a_focal_lesion_takes_the_shortest_stent_with_its_ends_in_normal_lumen()
 
 
 def test_an_end_moves_to_the_healthiest_lumen_within_5_mm():
-    """A narrowing of 25 % behind the lesion until 2 mm before the window's end: 15 mm to reach normal lumen."""
+    """Behind the lesion the vessel is narrowed by 25 % until 28 mm. The stent's end moves past this, to normal
+    lumen."""
     target, (span,) = spans(worst_of(focal(21, 12, 80), plateau(21, 28, 25)))
     assert span.end > 27.9 and target.start - span.start >= landing.MARGIN_MM - 0.01
     assert span.end - target.end <= landing.SEARCH_MM
@@ -33,7 +34,8 @@ def test_diffuse_disease_beyond_5_mm_is_left():
 
 
 def test_a_dilatation_is_no_landing_zone():
-    """Lumen up to a third wider than the vessel from 25.5 mm on: the end stays in the normal lumen before it."""
+    """Behind the lesion the lumen is up to a third wider than the vessel. The stent ends in the normal lumen before
+    that."""
     wide = lambda s: (3.3 - 0.02 * s) * (1 - focal(21, 8, 80)(s) + 0.33 * ((s > 26.5) & (s < 32)))  # noqa: E731
     _, (span,) = spans(focal(21, 8, 80), lumen=wide)
     assert span.end <= 26.5
@@ -66,7 +68,8 @@ def test_too_long_for_the_catalogue():
 
 
 def test_near_an_end_the_margin_is_what_the_branch_has():
-    """Stretch from 2 mm on: the stent begins 1.5 mm behind the inlet, less than the margin before it."""
+    """The stretch begins near the inlet. So the stent begins 1.5 mm behind the inlet, with less than the usual
+    margin."""
     target, (span,) = spans(plateau(1.5, 8, 70))
     assert span.start == profile.CAP_MARGIN_MM and target.start - span.start < landing.MARGIN_MM
     assert spans(focal(1.75, 4, 70))[0].s_mla > profile.CAP_MARGIN_MM
@@ -84,7 +87,7 @@ def side_branch(shape, ostium):
 
 
 def test_a_stent_of_a_side_branch_begins_at_its_ostium():
-    """Not 1.5 mm from the axis of its parent, in the lumen of a parent of 7 mm."""
+    """The parent is 7 mm wide. A stent that began 1.5 mm from the parent's axis would lie in the parent's lumen."""
     target = side_branch(focal(6, 6, 70), 3.5)
     (span,) = landing.stent_spans(target, LENGTHS, "case")
     assert span.start == 3.5 and span.end > target.end + landing.MARGIN_MM - 0.01

@@ -79,8 +79,8 @@ TEST(Coarsened, BringsAFineMeshToTheWantedEdge) {
   const EdgeField field(0.4, {straight_branch(1.5, 8)}, {{3.0, 0, {}}});
   const std::size_t wanted = remeshed(surface, 0.4, surface).number_of_faces();
   const Mesh mesh = coarsened(remeshed(surface, 0.1, surface), 0.1, surface, field);
-  // CGAL collapses no edge above 0.8 of its target: what the level before the last made, at 0.85 of the edge, stays,
-  // 1 / 0.85^2 = 1.38 times as many triangles; 1.41 measured
+  // CGAL collapses no edge above 0.8 of its target. So the mesh of the level before the last stays, with edges of 0.85
+  // of the wanted length and 1 / 0.85^2 = 1.38 times as many triangles. The measured ratio is 1.41.
   EXPECT_GT(static_cast<double>(mesh.number_of_faces()), 0.9 * static_cast<double>(wanted));
   EXPECT_LT(static_cast<double>(mesh.number_of_faces()), 1.45 * static_cast<double>(wanted));
   EXPECT_GE(quality_of(mesh).min_angle_deg, 30);

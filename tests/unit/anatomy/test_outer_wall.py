@@ -12,9 +12,9 @@ from common import vtp
 
 @pytest.fixture
 def diseased(tmp_path):
-    """(summary, sections, lumen.vtp) of a vessel of 3 mm whose lumen is 1.6 mm from 12 mm on: diffuse disease.
+    """(summary, sections, lumen.vtp) of a vessel of 3 mm with diffuse disease: from 12 mm on its lumen is 1.6 mm wide.
 
-    The reference that was fitted to the lumen follows it.
+    The reference that was fitted to the lumen is narrow too.
     """
     lumen = lambda s: np.interp(s, [8, 12], [2.9, 1.6])  # noqa: E731
     summary, sections = measured_vessel(plateau(12, 45, 44), lumen=lumen, healthy=lambda s: np.maximum(lumen(s), 1.75))
@@ -50,7 +50,8 @@ def test_reference_is_lumen_and_plaque(diseased):
 
 
 def test_stents_are_sized_by_the_vessel(diseased, families):
-    """1.6 mm of lumen everywhere distal: a balloon by the lumen alone, a stent of 2.75 or 3 mm in a vessel of 3 mm."""
+    """All distal lumen is 1.6 mm wide. By the lumen alone only a balloon would be planned. By the vessel's 3 mm it is a
+    stent of 2.75 or 3 mm."""
     summary, sections, file = diseased
     assert proposal.propose(summary, sections, families, "case").treatments[0].stents == []
     done = proposal.propose(summary, outer_wall.with_lumen_and_plaque_reference(sections, file), families, "case")
@@ -68,7 +69,8 @@ def test_known_where_contours_have_it(lumen, known):
 
 
 def test_the_plan_says_which_reference_it_used(diseased, families):
-    """By the outer wall 47 %; by the profile through a lumen that is narrow all along, less: both are said."""
+    """The stenosis is 47 % by the outer wall. It is less by the profile, since the lumen is narrow everywhere. The
+    remark gives both."""
     summary, sections, file = diseased
     done = proposal.propose(summary, outer_wall.with_lumen_and_plaque_reference(sections, file), families, "case")
     reference = plan.reference_document(summary, done, by_outer_wall=True)

@@ -38,8 +38,8 @@ TEST(OutlineNoise, IsWhatTheMeanRadiusScattersBy) {
   }
 }
 
-// Shapes that lumens have: a slit three times as wide as high, and one bent to a kidney. They count as much less than
-// the least noise that is smoothed away.
+// Lumens may have the shape of a slit three times as wide as high, or of such a slit bent like a kidney. The noise
+// found in them is much less than the least noise that is smoothed away.
 TEST(OutlineNoise, IsNoneInASmoothShape) {
   for (double bend : {0.0, 0.3}) {
     std::vector<Vec2> outline;
@@ -57,8 +57,8 @@ TEST(OutlineNoise, IsNotToldOfACoarseOutline) {
 }
 
 TEST(OutlineNoise, KnowsTheEdgesThatWereCut) {
-  // a plane through a band of equilateral triangles crosses two edges in each edge's length, at a slant up to a
-  // seventh more or less
+  // A plane through a band of equilateral triangles crosses two edges in each edge's length. If it is slanted, the
+  // number differs by up to a seventh.
   std::vector<Vec2> outline = circle(1.5, 0.1, 0, 1);
   EXPECT_NEAR(edge_by_crossings(outline), 0.2, 0.03);
 }

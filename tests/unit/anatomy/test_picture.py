@@ -1,4 +1,5 @@
-"""The picture of the tree: written whole, the same bits each time, refused with a reason."""
+"""The picture of the tree: it is written completely or not at all, has the same bits each time, and bad input is
+refused."""
 
 import itertools
 import json

@@ -35,7 +35,7 @@ def test_segment_covers_all_stents_of_the_branch(families, summary):
 
 
 def test_a_branch_left_out_is_that_of_the_lesion_or_main(families, summary):
-    """The user's branch decides; one that is not said is never made up against the lesion."""
+    """A branch that the user names decides. Without one, the branch is the lesion's, or main."""
     summary["lesions"][0] |= {"branch": "side1", "s_start_mm": 0.0, "s_end_mm": 2.0}
     for place, branch in (({"lesion": 1}, "side1"), ({"centre_s_mm": 20}, "main")):
         steps = stent_step(**place)

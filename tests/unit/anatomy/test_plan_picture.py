@@ -1,4 +1,4 @@
-"""The picture of a plan: its devices over the lumen, the same bits each time, refused with a reason."""
+"""The picture of a plan shows its devices over the lumen. It has the same bits each time, and bad input is refused."""
 
 import json
 

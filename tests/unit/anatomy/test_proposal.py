@@ -43,7 +43,8 @@ def test_one_lesion(families):
     ],
 )
 def test_the_balloon_before_a_stent_lies_over_the_stretch_within_the_stent(families, narrowing, covered):
-    """Near the vessel's begin it lay at the stent's middle, and the tightest place was left as it was."""
+    """Formerly the balloon lay at the middle of a stent near the vessel's start, and did not open the tightest
+    place."""
     done = proposed(families, narrowing, length=50.0)
     for before, stent in zip(done.steps, [step for step in done.steps if step["action"] == "stent"]):
         (low, high), (start, end) = (
@@ -63,7 +64,8 @@ def test_a_balloon_shorter_than_the_stretch_covers_its_tightest_place():
 
 
 def test_mild_diffuse_disease_behind_a_severe_lesion_takes_a_short_stent(families):
-    """33.5 mm and its margins were more than the longest stent; a cardiologist stents the severe part."""
+    """The whole narrowing with its margins is longer than the longest stent. As a cardiologist would, the plan stents
+    only the severe part."""
     done = proposed(families, worst_of(focal(14, 10, 84), plateau(14, 45, 25)), length=60.0)
     assert actions(done).count("stent") == 1 and done.steps[1]["devices"][0]["length_mm"] <= 15
 
@@ -116,7 +118,8 @@ def along_a_narrow_branch():
 
 
 def test_the_culprit_is_the_worst_lesion_that_a_stent_fits(families):
-    """80 % where the vessel is 1.2 mm wide, 60 % where it is 3 mm; a mild lesion is no substitute."""
+    """No stent fits the lesion of 80 %, in a vessel of 1.2 mm. So the lesion of 60 % is treated, in a vessel of 3 mm. A
+    mild lesion would not be."""
     narrow = {"healthy": lambda s: np.where(s < 30, 3.0, 1.2)}
     done = proposed(families, focal(14, 8, 60), focal(40, 8, 80), **narrow)
     assert [one.target.name for one in done.treatments] == ["lesion2"] and len(done.untreatable) == 1
@@ -125,7 +128,7 @@ def test_the_culprit_is_the_worst_lesion_that_a_stent_fits(families):
 
 
 def test_a_balloon_alone_where_no_stent_is_as_wide_as_the_vessel(families):
-    """Of 6.36 mm, as a published test case has it, and of 1.6 mm."""
+    """The vessel is 6.36 mm wide, as in a published test case, or 1.6 mm."""
     for wide, size in ((6.36, ("non_compliant", 5.5)), (1.6, ("semi_compliant", 1.5))):
         done = proposed(families, focal(21, 12, 60), healthy=lambda s, wide=wide: wide + 0 * s)
         (device,) = done.steps[0]["devices"]
@@ -134,7 +137,8 @@ def test_a_balloon_alone_where_no_stent_is_as_wide_as_the_vessel(families):
 
 
 def test_a_stent_comes_before_a_balloon_alone_and_all_takes_both(families):
-    """75 % where the vessel is 1.6 mm wide, 60 % where it is 3 mm."""
+    """The lesion of 75 % is in a vessel of 1.6 mm, too narrow for a stent. The lesion of 60 % is in a vessel of 3
+    mm."""
     two, narrow = (focal(14, 8, 60), focal(40, 8, 75)), {"healthy": lambda s: np.where(s < 30, 3.0, 1.6)}
     assert actions(proposed(families, *two, **narrow)) == ["predilatation", "stent", "postdilatation"]
     done = proposed(families, *two, treat="all", **narrow)
@@ -143,7 +147,7 @@ def test_a_stent_comes_before_a_balloon_alone_and_all_takes_both(families):
 
 
 def test_a_mild_lesion_is_planned_alone_or_as_the_case_says(families):
-    """42.9 %, as a left tree from CT has it at an ostium."""
+    """A stenosis of 42.9 %, as at an ostium of a left tree from CT."""
     assert actions(proposed(families, focal(21, 12, 42.9))).count("stent") == 1
     two = focal(14, 8, 45), focal(38, 8, 42)
     for options, number in (({}, 1), ({"least_percent": 40}, 2), ({"least_percent": 44}, 1)):

@@ -1,4 +1,4 @@
-"""The lumen after a real procedure on the one before: moved, noised, cropped and treated pairs; other vessels."""
+"""Registration of the lumen after a real procedure: pairs that are moved, noisy, cropped or treated; other vessels."""
 
 import json
 
@@ -40,7 +40,7 @@ def test_moved_and_noised():
 
 
 def test_cropped_at_both_ends_without_a_branch():
-    """The hard case just inside: 25 % of the main vessel and one of two branches are missing."""
+    """A case just within the limits: 25 % of the main vessel and one of two branches are missing."""
     post = moved(vessel(), keep={"main": slice(14, 105), "side1": None}, names={"side2": "side1"})
     found, match, target = registered(vessel(), post)
     distance, turn = wrong_by(found, vessel())
@@ -60,7 +60,7 @@ def test_cropped_at_both_ends_without_a_branch():
 
 
 def test_a_main_vessel_that_is_another_branch_keeps_its_name():
-    """Cropped so that the longest route ends elsewhere: names go by place, not by length."""
+    """The vessel is cropped so that the longest route ends elsewhere. Names follow the place, not the length."""
     post = moved(vessel())
     swapped = tree_of(
         {"main": np.concatenate([post.branches["main"].points[:80], post.branches["side2"].points]),
@@ -72,7 +72,7 @@ def test_a_main_vessel_that_is_another_branch_keeps_its_name():
 
 
 def test_a_straightened_stretch_hardly_counts():
-    """A stent of 18 mm in the middle moves its stretch by up to 1 mm; the rest lies where it was."""
+    """A stent of 18 mm moves the middle of the vessel by up to 1 mm. The rest must still lie on its old place."""
 
     def straighten(points):
         if len(points) < 100:
@@ -96,7 +96,7 @@ def test_another_vessel_is_refused(seed):
 
 
 def test_a_straight_vessel_needs_a_landmark():
-    """A part of a straight vessel could be any part of it; one place that is seen in both says which."""
+    """A piece of a straight vessel fits anywhere along it. One place that is seen in both lumens decides."""
     pre, post = straight(16), straight(20)
     with pytest.raises(InputError, match="fit alike"):
         registered(pre, post)
@@ -115,7 +115,7 @@ def test_the_command_refuses_a_landmark_far_from_its_vessel(repo_root, tmp_path,
 
 
 def three_places():
-    """Two on the main vessel and the end of a branch, (3, 3)."""
+    """Three landmarks (3, 3): two on the main vessel, one at the end of a branch."""
     branches = vessel().branches
     return np.array([*branches["main"].points[[5, 115]], branches["side1"].points[-1]])
 
@@ -123,7 +123,8 @@ def three_places():
 @pytest.mark.parametrize("key", ["pre_mm", "post_mm"])
 @pytest.mark.parametrize("away_mm, near", [(4.4, True), (4.6, False)])
 def test_a_landmark_lies_within_three_radii_of_its_vessel(key, away_mm, near):
-    """Two places 40 mm beside their vessels once fitted to 0.01 mm, with the wrong one along the axis."""
+    """Formerly two landmarks 40 mm beside their vessels were accepted. They fitted to 0.01 mm, at a wrong place along
+    the axis."""
     marks = {"pre_mm": np.array([[0, 0, 12.0]]), "post_mm": np.array([[0, 0, 16.0]])}
     marks[key] = marks[key] + [away_mm, 0, 0]
     if near:
@@ -144,7 +145,7 @@ def test_three_landmarks_decide_alone():
 
 @pytest.mark.parametrize("off_mm, said", [(0.5, None), (1.0, "landmark 1 lies 1.0"), (2.2, "does not fit")])
 def test_a_roughly_marked_landmark_does_not_spoil_a_good_fit(off_mm, said):
-    """A landmark 1 mm off once moved the axes of such a pair by 0.46 mm, without a word."""
+    """Formerly a landmark that was off by 1 mm moved the axes of such a pair by 0.46 mm, without a warning."""
     pre, post = vessel(), moved(vessel(), noise=0.01)
     line = pre.branches["main"].points
     place = line[60:61] + off_mm * (line[61] - line[60]) / np.linalg.norm(line[61] - line[60])
@@ -169,7 +170,7 @@ def test_the_wrong_inlet_is_named():
 
 @pytest.mark.parametrize("marked", [False, True])
 def test_a_mirrored_vessel_is_refused(marked):
-    """A single vessel of 60 mm and its mirror image lie within 0.15 radii of each other, which passed before."""
+    """A single vessel of 60 mm and its mirror image differ by 0.15 radii only. Formerly this was accepted."""
     line = vessel().branches["main"].points
     mirrored = ROTATION.apply(line * [1, 1, -1]) + TRANSLATION
     marks = (line[[30]], mirrored[[30]]) if marked else NO_LANDMARKS
@@ -178,7 +179,8 @@ def test_a_mirrored_vessel_is_refused(marked):
 
 
 def test_a_mirror_image_that_two_landmarks_make_nearly_fit_is_refused():
-    """Its main axis lies nearly in a plane. Its branch had become a new one, and the other one missing."""
+    """The main axis lies nearly in a plane, so two landmarks fit. Formerly the mirrored branch was taken for a new
+    branch, and the original one was called missing."""
     z = np.arange(0, 40, 0.5)
     main = np.column_stack([0.004 * (z - 20) ** 2, 0.05 * np.sin(z / 6), z])
     side = main[30] + np.arange(0, 12, 0.5)[:, None] * np.array([0.1, 0.8, 0.59])
@@ -192,7 +194,7 @@ def test_a_mirror_image_that_two_landmarks_make_nearly_fit_is_refused():
 
 
 def test_the_landmark_that_spoils_a_good_fit_is_named():
-    """The remedy was to give landmarks, which the user had done."""
+    """Formerly the message asked the user to give landmarks, although the user had given some."""
     pre, post = vessel(), moved(vessel())
     at = pre.branches["main"].points[[20]]
     with pytest.raises(InputError, match="(?s)a landmark does not fit.*landmark 1.*3.4[0-9]* mm off where"):
@@ -218,7 +220,8 @@ def test_like_is_json():
 
 @pytest.mark.parametrize("bow_mm, fits", [(1.0, True), (2.5, False)])
 def test_how_much_a_vessel_may_have_changed_its_course(bow_mm, fits):
-    """A vessel without branches, bowed as a whole: by 1 mm it passes, by 2.5 mm it may as well be another."""
+    """A vessel without branches is bowed as a whole. A bow of 1 mm is accepted. With 2.5 mm it may be another
+    vessel."""
     line = vessel().branches["main"].points
     s = np.linspace(0, 2 * np.pi, len(line))
     bowed = line + bow_mm * np.sin(1.5 * s)[:, None] * np.array([0.0, 0.0, 1.0])
@@ -234,7 +237,7 @@ def test_how_much_a_vessel_may_have_changed_its_course(bow_mm, fits):
 
 @pytest.mark.parametrize("last, fits", [(92, True), (86, False)])
 def test_how_much_of_a_vessel_must_be_seen_afterwards(last, fits):
-    """36 mm of a main vessel of 60 mm without its branches: 63 % of both axes lie on the other's; of 33 mm 59 %."""
+    """Of a main vessel of 60 mm only 36 or 33 mm are left, without branches. Then 63 or 59 % of both axes coincide."""
     post = moved(vessel(), keep={"main": slice(20, last), "side1": None, "side2": None})
     if fits:
         found, match, _ = registered(vessel(), post)
@@ -246,7 +249,7 @@ def test_how_much_of_a_vessel_must_be_seen_afterwards(last, fits):
 
 @pytest.mark.parametrize("bow_mm, fits", [(2.1, True), (2.5, False)])
 def test_landmarks_allow_a_vessel_twice_the_change_of_its_course(bow_mm, fits):
-    """The vessel of the test before, bowed beyond what axes alone allow; three places say how it lies."""
+    """The vessel is bowed more than axes alone may be. Three landmarks tell how it lies."""
     line, at = vessel().branches["main"].points, [5, 60, 110]
     bowed = line + bow_mm * np.sin(1.5 * np.linspace(0, 2 * np.pi, len(line)))[:, None] * np.array([0.0, 0.0, 1.0])
     pre, post = tree_of({"main": line}, {}), tree_of({"main": ROTATION.apply(bowed) + TRANSLATION}, {})
@@ -261,7 +264,7 @@ def test_landmarks_allow_a_vessel_twice_the_change_of_its_course(bow_mm, fits):
 
 @pytest.mark.parametrize("bow_mm", [1.5, 1.8])
 def test_one_landmark_helps_where_the_axes_do_not_fit(bow_mm):
-    """A robust loss on the landmark itself once made its pull vanish, so that .25 of the axes lay on each other."""
+    """Formerly the landmark itself had a robust loss, so it had no effect. Then only .25 of the axes coincided."""
     line, at = vessel().branches["main"].points, [30]
     bowed = line + bow_mm * np.sin(1.5 * np.linspace(0, 2 * np.pi, len(line)))[:, None] * np.array([0.0, 0.0, 1.0])
     pre, post = tree_of({"main": line}, {}), tree_of({"main": ROTATION.apply(bowed) + TRANSLATION}, {})
@@ -274,7 +277,7 @@ def test_one_landmark_helps_where_the_axes_do_not_fit(bow_mm):
 
 
 def test_a_landmark_does_not_push_aside_axes_that_fit():
-    """It is a millimetre off across the vessel: the axes stay within a fifth of that."""
+    """The landmark is off by a millimetre across the vessel. The axes move by less than a fifth of that."""
     pre, post = vessel(), moved(vessel())
     at = pre.branches["main"].points[[40]]
     marks = at + [[0.0, 0.0, 1.0]], ROTATION.apply(at) + TRANSLATION
@@ -284,7 +287,8 @@ def test_a_landmark_does_not_push_aside_axes_that_fit():
 
 @pytest.mark.parametrize("moved_mm, fits", [(2.2, True), (2.4, False)])
 def test_a_landmark_may_be_off_by_a_usual_radius(moved_mm, fits):
-    """One of three lies elsewhere in the second lumen; the best fit leaves it 0.99 or 1.08 radii off."""
+    """One of three landmarks is marked wrongly in the second lumen. After the best fit it is off by 0.99 or 1.08
+    radii."""
     marks = three_places()
     after = ROTATION.apply(marks + [[0, 0, 0], [moved_mm, 0, 0], [0, 0, 0]]) + TRANSLATION
     if fits:

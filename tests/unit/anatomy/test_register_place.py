@@ -14,7 +14,8 @@ from common.errors import InputError
 
 @pytest.mark.parametrize("pre, post", [((0, 10), (0, 10)), ((0, 8), (12, 20)), ((0, 12), (0, 10))])
 def test_straight_pieces_of_like_length_need_a_landmark(pre, post):
-    """No rival differs in misfit by less than a tenth, for what juts out at the ends costs more than that."""
+    """Here the check for rival placements finds none. Each slid placement has a misfit more than a tenth larger,
+    because pieces jut out at the ends."""
     with pytest.raises(InputError, match="(?s)does not fix the place along it.*slid by a radius.*in place.*landmarks"):
         registered(bent(*pre), bent(*post))
 
@@ -25,7 +26,7 @@ def test_a_vessel_with_bends_needs_no_landmark():
 
 
 def test_narrow_bends_fix_the_place_though_the_vessel_is_nearly_straight():
-    """The axis stays within a quarter of the radius of a line, but slid by a radius it fits no more."""
+    """The axis is a straight line within a quarter of the radius. But slid by a radius it does not fit any more."""
 
     def wound(first, last):
         z = np.arange(first, last, STEP_MM)
@@ -35,14 +36,14 @@ def test_narrow_bends_fix_the_place_though_the_vessel_is_nearly_straight():
     in_place = Placement(Rotation.identity(), np.zeros(3))
     match = match_branches(target, piece, in_place)
     assert not sliding.fits_after_sliding(target, piece, in_place, match)
-    # a lone landmark may be wrong, and the slid residual is then that of a wrong place: the user is told
+    # a lone landmark may be wrong; the residual after sliding is then that of a wrong place, so the user is warned
     assert sliding.depends_on_landmark(target, piece, in_place, match)
     target, piece = Target(bent(0, 22)), bent(3, 19)
     assert sliding.fits_after_sliding(target, piece, in_place, match_branches(target, piece, in_place))
 
 
 def test_a_lone_landmark_on_a_straight_vessel_is_warned_of():
-    """Three millimetres wrong, it moved the lumen by as much, with a residual of 0.06 mm and no word."""
+    """A landmark that was wrong by 3 mm moved the lumen by 3 mm. The residual was 0.06 mm, so there was no warning."""
     pre, post = straight(16), straight(20)
     marks = np.array([[0, 0, 15.68]]), np.array([[0, 0, 16.75]])
     found, match, target = registered(pre, post, marks)
@@ -58,7 +59,7 @@ def test_a_lone_landmark_on_a_straight_vessel_is_warned_of():
 
 @pytest.mark.parametrize("marks_mm", [[15.68], [15.68, 6.0]])
 def test_landmarks_do_not_turn_a_vessel_round(marks_mm):
-    """Contours read from the wrong end: the inlet afterwards came to the outlet before."""
+    """The contours were read from the wrong end, so the inlet afterwards came to lie on the outlet before."""
     pre, post = straight(16), straight(20)
     line = post.branches["main"]
     turned = Line(line.points[::-1], line.radius, line.branch)

@@ -41,7 +41,7 @@ near_begin, near_end = worst_of(plateau(-1, 8, 58), focal(4, 3, 62)), plateau(42
     ],
 )
 def test_a_lesion_that_reaches_to_a_cut_end_is_told_with_its_remedy(families, narrowing, words):
-    """It once said that the branch began there, and that 5 mm held no better lumen."""
+    """Formerly the remark said that the branch begins there, and that no better lumen lies within 5 mm."""
     found = said(families, narrowing)
     assert [words in remark for remark in found].count(True) == 1
     assert not any("hold no better" in remark or "the branch begins" in remark for remark in found)

@@ -79,7 +79,7 @@ TEST(SectionNoise, IsFound) {
     EXPECT_NEAR(area_noise(cut(step, 0.05, 1).sections) / expected, 1, 0.01) << step;
 }
 
-// As an intravascular pull-back records it: each outline smooth, their sizes changing from frame to frame.
+// In an intravascular pull-back each outline is smooth, but the sizes change from frame to frame.
 TEST(SectionNoise, IsNotWhatChangesAlongTheVessel) {
   Cut given = cut(0.5, 0.05, 1);
   for (Section& section : given.sections)
@@ -119,11 +119,12 @@ TEST(SectionNoise, IsTakenOutButNotTheLesion) {
       }
     }
     EXPECT_LT(std::sqrt(squares_after / squares_before), 0.8) << step;
-    EXPECT_LT(std::sqrt(squares_at_throat), throat_noise) << step; // no worse than as cut
+    EXPECT_LT(std::sqrt(squares_at_throat), throat_noise) << step; // no worse than before smoothing
   }
 }
 
-// The stiffest profile of third differences is a parabola: a branch that only tapers is left straight, but for chance.
+// The stiffest spline with a penalty on third differences is a parabola. Still a branch that only tapers must mostly
+// stay straight.
 TEST(SectionNoise, LeavesATaperStraight) {
   unsigned straight = 0;
   for (unsigned seed = 1; seed <= drawn_walls; ++seed) {

@@ -36,7 +36,7 @@ TEST(ShortestPaths, NoLinkIsShorterThanTheDifference) {
     costs.insert(costs.end(), {c, c});
   }
   const ShortestPaths paths = CostGraph(200, links, costs).from(7);
-  std::vector<double> tight(200, unreached); // least cost + link over the links that end in a node
+  std::vector<double> tight(200, unreached); // for each node the least sum of a neighbour's cost and the link's cost
   for (std::size_t k = 0; k < links.size(); ++k)
     tight[links[k].second] = std::min(tight[links[k].second], paths.cost[links[k].first] + costs[k]);
   for (std::size_t i = 0; i < 200; ++i)

@@ -73,14 +73,16 @@ def test_tapered_vessel_is_postdilated_in_its_proximal_part(families):
 
 
 def test_a_short_stent_in_a_tapered_vessel_is_dilated_whole_by_what_its_distal_end_bears(families):
-    """As in a real intramural course: half of an 8 mm stent is shorter than the shortest balloon, 6 mm."""
+    """Half of an 8 mm stent is shorter than the shortest balloon, 6 mm. This happened in a real artery with an
+    intramural course."""
     stent = planned(families, 3.9, 2.9, length=8)
     diameter, length, centre, (wanted, _) = sizing.postdilatation(families, stent, "case")
     assert (diameter, length, centre) == (3.25, 8, stent.span.centre) and wanted == pytest.approx(3.4)
 
 
 def test_post_dilatation_does_not_overstretch_the_distal_reference(families):
-    """References 0.48 mm apart, but the balloon nearest to the proximal one is 0.59 mm above the distal one."""
+    """The two references differ by 0.48 mm only. But the balloon nearest to the proximal reference is 0.59 mm wider
+    than the distal one."""
     diameter, length, *_ = sizing.postdilatation(families, planned(families, 3.64, 3.16), "case")
     assert diameter == 3.5 and length == 15
 
@@ -95,7 +97,7 @@ def test_between_two_stents_the_vessels_reference_counts(families):
 
 
 def test_post_dilatation_does_not_open_a_stent_beyond_its_design(families):
-    """The balloon nearest to the proximal 4.3 mm is of 4.5 mm, and the 3.0 mm stent opens to 4.4 mm."""
+    """The proximal reference is 4.3 mm, and the nearest balloon 4.5 mm. But the 3.0 mm stent opens to 4.4 mm only."""
     diameter, _, _, (_, most) = sizing.postdilatation(families, planned(families, 4.3, 2.9), "case")
     assert diameter == 4.0 and most == 4.4
 

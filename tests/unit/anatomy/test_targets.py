@@ -23,7 +23,8 @@ def test_a_mild_lesion_is_covered_to_half_its_narrowing(vessel):
 
 @pytest.mark.parametrize("percent, end", [(25, 27.7), (29, 27.7), (31, 43.8)])
 def test_mild_disease_behind_a_severe_lesion_is_left(vessel, percent, end):
-    """84 % with a long narrowing of up to 29 % joined to it: that is not part of what is stented; 31 % is."""
+    """A lesion of 84 % continues as a long, milder narrowing. Up to 29 % the stent does not cover it; from 31 % it
+    does."""
     (target,) = found(vessel, worst_of(focal(24, 12, 84), plateau(24, 44, percent)))
     assert target.end == pytest.approx(end, abs=0.4) and target.start == pytest.approx(20.3, abs=0.4)
 
@@ -43,7 +44,7 @@ def test_lesions_of_what_the_case_asks_for(vessel):
 
 @pytest.mark.parametrize("second, together", [(27.5, True), (30.0, False)])
 def test_lesions_without_a_landing_zone_between_are_one(vessel, second, together):
-    """Vessel of 3 mm; stretches of 4 mm each with 7.3 or 9.8 mm of lumen between them."""
+    """The vessel is 3 mm wide. The two stretches are 4 mm long, with 7.3 or 9.8 mm between them."""
     targets_found = found(vessel, focal(16, 8, 60), focal(second, 8, 70))
     assert (len(targets_found) == 1) == together
     assert targets_found[0].percent == pytest.approx(70, abs=0.3)

@@ -20,13 +20,13 @@ inline Tube straight(double radius, double length) {
           length};
 }
 
-/// In the plane z = 0, curvature k.
+/// A tube along an arc in the plane z = 0 with the curvature k.
 inline Tube arc(double k, double radius, double length) {
   return {[=](double s) { return Vec3(std::sin(k * s) / k, (1 - std::cos(k * s)) / k, 0); },
           [=](double s) { return Vec3(std::cos(k * s), std::sin(k * s), 0); }, [=](double) { return radius; }, length};
 }
 
-/// Outward triangles; the wall's rings are turned half a step against each other.
+/// Triangles that face outward. Successive rings of the wall are turned by half a step.
 inline Soup soup_of(const Tube& tube) {
   Soup soup;
   const int rings = static_cast<int>(std::lround(tube.length / tube.edge));

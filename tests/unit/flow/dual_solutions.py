@@ -1,4 +1,6 @@
-"""Parts of FFR's error by a dual solution for each probe: errors.error_field finds them by a field for each stretch.
+"""Parts of FFR's error, from a dual solution for each probe.
+
+errors.error_field computes the same parts from a field for each stretch.
 
 K^T z = dJ/dw is solved for z, z is recovered, and the residual is weighted by the recovered less the interpolated z.
 """
@@ -18,7 +20,7 @@ def error_parts(solved, document, tree):
     of the tree that they arise in; their sum estimates the error. solved: solvers.solved_mesh.SolvedMesh."""
     problem, space = solved.problem, solved.space
     points = [tuple(probe["point_mm"]) for probe in document["probes"]]
-    probes = {point: probe for point, probe in zip(points, document["probes"])}  # some share a place
+    probes = {point: probe for point, probe in zip(points, document["probes"])}  # several probes may share a place
     duals = [dual(problem, _goal(problem, document, tree, probe)) for probe in probes.values()]
     richer = spaces.LumenSpace(space.mesh, space.facet_tags, degree=space.degree + 1)
     weights = _recovered(space, richer, duals)

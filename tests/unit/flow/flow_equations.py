@@ -1,4 +1,4 @@
-"""Small systems of equations that stand for a flow in tests of the solvers."""
+"""Small systems of equations that take the place of a flow in tests of the solvers."""
 
 import types
 

@@ -1,4 +1,4 @@
-"""Which mesh answers, on meshes whose flows are made up."""
+"""Which mesh gives the answer. The flows on the meshes are made up."""
 
 import types
 
@@ -13,7 +13,7 @@ GOOD, WIDE, WIDER = {"ffr": 0.001}, {"ffr": 0.006}, {"ffr": 0.02}  # error estim
 
 
 class _Mesh:
-    """What adaptive asks of a SolvedMesh."""
+    """The part of a SolvedMesh that adaptive uses."""
 
     def __init__(self, path, ffr, eps, estimate):
         self.path, self.found, self.estimate, self.cpu_seconds = path, estimate, None, 0.0
@@ -82,7 +82,7 @@ def test_the_finer_mesh_starts_from_the_coarse_ones_flow_and_answers(search):
     [
         ((0.79, 0.004, WIDER), "coarse.msh"),
         ((0.79, 0.004, GOOD), "fine.msh"),
-        ((0.79, 0.0, WIDER), "fine.msh"),  # its estimate knows both meshes
+        ((0.79, 0.0, WIDER), "fine.msh"),  # its estimate includes the difference of both meshes
         ((0.79, 0.004, None), "coarse.msh"),
         (None, "coarse.msh"),
     ],
@@ -111,7 +111,8 @@ THREE = ("coarsest.msh", *PATHS)
     ],
 )
 def test_the_coarsest_of_three_meshes_only_begins_the_way(search, flows, efforts, answers):
-    """The mesh before the last is solved on by all ways, the last where an answer is by that alone."""
+    """On the coarsest mesh continuation stops early. On the mesh before the last every way is tried. On the last mesh
+    the flow on the mesh before is the only start, if there is one."""
     meshes = {path: flow for path, flow in zip(THREE, [*flows, None, None])}
     solved, found, tried = search(meshes)
     assert solved.path == answers and found.efforts == efforts and [path for path, _ in tried] == [*THREE][: len(flows)]
@@ -139,7 +140,7 @@ def test_without_any_flow_the_solve_is_refused(search):
 
 
 def _state(mesh, artificial=0.0, leads_nowhere=False):
-    """What adaptive asks of an inputs.solution.StartState."""
+    """The part of an inputs.solution.StartState that adaptive uses."""
     return types.SimpleNamespace(mesh_name=mesh, artificial_viscosity=artificial, leads_nowhere=leads_nowhere)
 
 

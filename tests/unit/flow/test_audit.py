@@ -1,4 +1,4 @@
-"""The audit in time: start-up, batch means, what is said of a series, and a march on a small tube."""
+"""The audit in time: start-up, batch means, the document of a series, and a march on a small tube."""
 
 import json
 
@@ -43,7 +43,8 @@ def test_batch_means_cover_the_mean_as_often_as_they_say():
 
 def test_batch_means_are_students_interval_of_the_batches():
     values = np.repeat(np.arange(8.0), 5)
-    mean, half = audit.batch_means(np.append([99.0, -99.0], values))  # what fills no batch is left out at the start
+    # the first values are left out, since they fill no batch
+    mean, half = audit.batch_means(np.append([99.0, -99.0], values))
     low, high = scipy.stats.t.interval(0.95, 7, loc=3.5, scale=np.arange(8.0).std(ddof=1) / np.sqrt(8))
     assert (mean - half, mean + half) == pytest.approx((low, high))
 

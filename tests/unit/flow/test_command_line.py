@@ -1,4 +1,4 @@
-"""What the command line refuses before any long work."""
+"""Arguments that the command line refuses before any long work."""
 
 import json
 import os
@@ -16,7 +16,7 @@ from flow.meshing import mesh
 
 
 def _refused(capsys, *command):
-    """What is said of a command that ends with exit code 2."""
+    """The message of a command that must end with exit code 2."""
     with pytest.raises(SystemExit) as ended:
         command_line.main([str(word) for word in command])
     assert ended.value.code == 2
@@ -61,14 +61,14 @@ def test_fewer_coarse_meshes_are_those_of_the_last_rings(paths, given):
 
 
 def test_patient_values_given_twice(tmp_path, capsys):
-    """Those of the command line would not count."""
+    """Otherwise the values on the command line would be ignored without a message."""
     given = ["--anatomy", "anatomy.json", "--case", "config/cases/lad01.yaml", "--lvm-g", "90"]
     assert "given twice" in _refused(capsys, "boundary", *given, "--out", tmp_path / "boundary.json")
 
 
 @pytest.mark.parametrize("command", ["boundary", "solve", "rank"])
 def test_an_anatomy_and_a_centreline_of_two_lumens(tmp_path, capsys, command):
-    """A vessel of 20 mm with the line of one of 24 mm."""
+    """The anatomy is of a vessel of 20 mm, the centreline of one of 24 mm."""
     for name, length in (("plan", 20.0), ("other", 24.0)):
         tubes.write_case(
             tmp_path / name, tubes.tube(length, lambda s: 1.2, 0.8), [tubes.centre_branch(length, lambda s: 1.2)]
@@ -162,7 +162,8 @@ def test_warnings_are_printed_where_they_are_made_and_with_every_answer(meshes, 
 
 
 def test_every_input_is_known(case, tmp_path):
-    """Files given or in folders given, reports of meshes, and what lies beside a centreline."""
+    """The command knows all files that it may read: those given, those in given folders, reports of meshes, and files
+    beside a centreline."""
     words = _solve(case, tmp_path, tmp_path / "out", "--start", str(tmp_path / "before"), str(tmp_path / "old.vtp"))
     given = {k: v for k, v in vars(command_line.make_parser().parse_args(words)).items() if k != "out"}
     found = command_files._files_read(given)
@@ -183,7 +184,7 @@ def test_an_input_is_not_replaced_by_its_answer(case, capsys, name):
 
 
 def test_an_out_that_cannot_be_written_is_refused_before_any_work(case, tmp_path, capsys):
-    """Nothing is read: the inputs are not there."""
+    """The inputs do not exist. So a refusal because of --out shows that nothing was read before."""
     (tmp_path / "file").write_text("")
     (tmp_path / "folder.msh").mkdir()
     for out in ("file/out.msh", "folder.msh"):
@@ -220,7 +221,7 @@ def test_a_mesh_that_cannot_be_written_whole_leaves_nothing(case, tmp_path, monk
 
 
 def test_a_report_is_known_by_its_meshes_content(case, meshes, tmp_path, capsys):
-    """Not by their number of cells, which those of a lumen that is .01 mm wider have too."""
+    """The number of cells does not suffice: the mesh of a lumen that is .01 mm wider has the same number."""
     radius = tubes.lesion(1.21, 0.0, 3.0, 3.0)
     tubes.write_case(tmp_path / "other", tubes.tube(6.0, radius, 0.6), [tubes.centre_branch(6.0, radius)])
     command_line.main(_mesh(tmp_path / "other", tmp_path / "other"))
@@ -264,7 +265,7 @@ def test_files_of_the_anatomy_step_that_lie_elsewhere_are_asked_for(case, meshes
 
 
 def test_a_terminated_run_leaves_nothing(case, meshes, tmp_path):
-    """SIGTERM while solving; an earlier answer goes too."""
+    """SIGTERM comes while solving. An earlier answer is removed too."""
     (tmp_path / "ffr.json").write_text("{}")
     words = [str(word) for word in _solve(case, meshes, tmp_path)]
     root = str(command_line.pathlib.Path(command_line.__file__).parent.parent)

@@ -1,4 +1,4 @@
-"""What the benchmark of the FDA's nozzle says of velocities."""
+"""How the benchmark of the FDA's nozzle reads and compares velocities."""
 
 import pathlib
 import sys

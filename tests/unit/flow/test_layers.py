@@ -1,4 +1,4 @@
-"""The packages of flow/ import one way: each only those before it in ORDER."""
+"""Imports between the packages of flow/: each package may import only those before it in ORDER."""
 
 import ast
 

@@ -1,4 +1,4 @@
-"""Settings: each command offers those that act in it, and refuses those that do not."""
+"""Each command offers the settings that have an effect on it, and refuses all others."""
 
 import json
 import types

@@ -1,4 +1,4 @@
-"""The solver on small tubes: Poiseuille's drop, balances, quadratic convergence, which mesh answers."""
+"""The solver on small tubes: Poiseuille's pressure drop, balances, quadratic convergence, choice of the mesh."""
 
 import json
 import pathlib
@@ -175,7 +175,7 @@ def test_the_fine_mesh_is_solved_on_only_where_the_error_asks_for_it(
 
 
 def _without_timings(value):
-    """A JSON document without what a clock or the memory manager says."""
+    """A JSON document without its times and its memory."""
     if isinstance(value, list):
         return [_without_timings(one) for one in value]
     if not isinstance(value, dict):
@@ -186,7 +186,8 @@ def _without_timings(value):
 
 @pytest.mark.slow
 def test_same_input_same_bits(case, coarse_mesh, tmp_path):
-    """In two processes, on two meshes each, so that estimates and the start from the coarse flow are part of it."""
+    """Two processes solve on two meshes each. So the test includes the error estimate and the start from the coarse
+    flow."""
     files = ["--boundary", str(case / "boundary.json"), "--centreline", str(case / "centreline.vtp")]
     line = ["solve", str(case / "mesh.msh"), "--coarse", str(coarse_mesh), *files, "--ffr-tolerance", "0"]
     environment = {"PYTHONPATH": str(imports.ROOT), "PATH": "/usr/bin:/bin", "OMP_NUM_THREADS": "1"}

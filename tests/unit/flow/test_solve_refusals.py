@@ -1,4 +1,4 @@
-"""What the solver refuses: files, meshes, boundary values, flows that stall or lose mass."""
+"""Refusals of the solver: files, meshes, boundary values, and flows that stall or lose mass."""
 
 import json
 import types
@@ -36,7 +36,7 @@ def test_a_file_that_is_no_mesh_is_refused(case, tmp_path, capsys):
 
 
 def test_stall_exits_3_and_writes_nothing(case, tmp_path, capsys):
-    """Nor does it leave an earlier answer, which would be taken for its own; other files stay."""
+    """An earlier answer is removed too, since it would be taken for the new one. Other files stay."""
     out = tmp_path / "out"
     arguments = ["solve", str(case / "mesh.msh"), "--boundary", str(case / "boundary.json"), "--out", str(out)]
     arguments += ["--centreline", str(case / "centreline.vtp"), "--residual-absolute", "1e-20"]
@@ -94,7 +94,8 @@ def test_outlets_that_the_mesh_lacks_are_refused(case):
 
 
 def test_outlets_numbered_otherwise_in_the_mesh_are_refused():
-    """A main vessel along x, a branch to the side; the mesh's caps as the boundary values have them, then exchanged."""
+    """A main vessel along x with a side branch. First the mesh numbers its caps as the boundary values do, then two are
+    exchanged."""
     main = tubes.centre_branch(20.0, lambda s: 1.2)
     side = tubes.centre_branch(6.0, lambda s: 0.8, lambda s, e1, e2: np.stack([10 + e1, s, e2], axis=-1), name="side1")
     tree = centreline.Tree([main, side])
@@ -124,7 +125,7 @@ def test_sections_in_metres_are_refused(case, tmp_path, capsys):
 
 @pytest.mark.parametrize("command", ["mesh", "solve"])
 def test_a_centreline_of_another_lumen_is_refused(case, tmp_path, capsys, command):
-    """Neither meshed nor solved with: the lumen once was narrower."""
+    """The centreline is of the narrower lumen before the procedure. Both `mesh` and `solve` refuse it."""
     line = tubes.centre_branch(LENGTH, tubes.lesion(RADIUS, 0.5, LENGTH / 2, LENGTH / 2))
     tubes.write_case(tmp_path, tubes.tube(LENGTH, lambda s: RADIUS, 0.8), [line])
     given = {"mesh": [str(case / "lumen.vtp")], "solve": [str(case / "mesh.msh")]}[command]
@@ -164,8 +165,8 @@ def test_mesh_in_metres_is_refused(case, tmp_path):
 
 
 def _bent(case, folder, shift_mm):
-    """File of a mesh of 3 rings of the case's tube, one of whose inner corners is moved along the axis, and how many
-    cells that turns inside out."""
+    """(file of a mesh of the case's tube with 3 rings, number of cells turned inside out). One inner corner of the mesh
+    is moved along the axis by shift_mm."""
     from flow.geometry import surface
     from flow.meshing import mesh
 
@@ -198,7 +199,7 @@ def test_a_mesh_with_inverted_cells_is_refused(case, tmp_path, capsys):
 
 
 def test_a_mesh_with_distorted_cells_is_refused(case, tmp_path, capsys):
-    """Positive Jacobians throughout, but beyond what `flow mesh` writes."""
+    """All Jacobians are positive, but cells are more distorted than `flow mesh` would write them."""
     path, folded = _bent(case, tmp_path, 0.37)
     assert folded == 0 and _solve_bent(case, path, tmp_path / "out") == 2
     assert "distorted" in capsys.readouterr().err
@@ -206,7 +207,7 @@ def test_a_mesh_with_distorted_cells_is_refused(case, tmp_path, capsys):
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_a_mesh_of_plane_facets_is_refused(case, tmp_path, capsys, order):
-    """As gmsh's setOrder leaves it: linear cells, or quadratic ones with every middle on its chord."""
+    """gmsh's setOrder makes such meshes: linear cells, or quadratic cells whose edges are all straight."""
     import gmsh
 
     gmsh.initialize(["gmsh"], False)
@@ -223,7 +224,8 @@ def test_a_mesh_of_plane_facets_is_refused(case, tmp_path, capsys, order):
 
 
 def test_a_mesh_with_cells_on_top_of_each_other_is_refused():
-    """Two straight tetrahedra, both of positive volume, tips on both sides of a face, then on one."""
+    """Two straight tetrahedra of positive volume share a face. First their tips are on both sides of it, then on the
+    same side."""
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0], [0.2, 0.2, 0]])
     for height, cells in ((-1.0, [[0, 1, 2, 3], [0, 2, 1, 4]]), (0.5, [[0, 1, 2, 3], [0, 1, 2, 4]])):
         corners[4, 2] = height
@@ -241,7 +243,8 @@ def test_a_mesh_with_cells_on_top_of_each_other_is_refused():
 
 
 def test_a_flow_that_loses_mass_is_refused(case, tmp_path, capsys, monkeypatch):
-    """Were the cells not looked at, what the outlets give in place of what comes in would say so."""
+    """The check of the cells is switched off here. Then the difference between inflow and outflow must reveal the bad
+    mesh."""
     path, _ = _bent(case, tmp_path, 0.6)
     monkeypatch.setattr(spaces, "_check_cells", lambda space, path: None)
     assert _solve_bent(case, path, tmp_path / "out") == 3

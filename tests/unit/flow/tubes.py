@@ -21,8 +21,8 @@ def tube(length_mm, radius, edge_mm=0.5, axis=None, outlet_region=2):
 
 
 def revolved(s, radius, around, axis=None, outlet_region=2):
-    """As `tube`, of `around` points at each (s, radius) of a meridian, sequences of floats in mm: where two have the
-    same s the wall between them is a ring across the axis, as at a sudden expansion."""
+    """A tube like `tube`, with `around` points at each (s, radius) of a meridian (sequences of floats in mm). Where two
+    points have the same s, the wall between them is a ring across the axis, as at a sudden expansion."""
     rings = len(s)
     axis = axis or (lambda along, e1, e2: np.stack([along, e1, e2], axis=-1))
     points, triangles, region = [], [], []

@@ -1,4 +1,4 @@
-"""Newton's tangent over velocity and pressure at once, which the solver never assembles as a whole."""
+"""Newton's tangent over velocity and pressure together. The solver itself never assembles it as a whole."""
 
 import ufl
 

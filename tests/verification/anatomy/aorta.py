@@ -1,4 +1,4 @@
-"""A patient's aorta with both coronary trees: the balls along the centrelines of a CT angiogram, as one surface.
+"""A patient's aorta with both coronary trees: the surface of the balls along the centrelines of a CT angiogram.
 
 `lca_cl.vtp` and `rca_cl.vtp` of multimoda-rs (MIT) begin in the same aorta and carry the inscribed radius.
 """
@@ -9,10 +9,10 @@ import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
 FILES = {"left": "lca_cl.vtp", "right": "rca_cl.vtp"}
-AORTA_MM = 20.0  # of both centrelines lie in the ascending aorta, the rest runs towards its wall
-ROOT_MM = 20.0  # below that the aorta is carried on straight
+AORTA_MM = 20.0  # length of both centrelines in the ascending aorta; behind it they run towards the aorta's wall
+ROOT_MM = 20.0  # the aorta is continued straight over this length
 CUT_REACH_RADII = 2.0  # radii round a coronary's end within which it is cut flat
-AORTA_CUT_REACH = 1.06  # round the aorta's: the coronaries run past it
+AORTA_CUT_REACH = 1.06  # the same for the aorta's end; it is small, since the coronaries run past this end
 
 
 def lines(folder, tree):

@@ -6,7 +6,7 @@ import lofts
 import numpy as np
 import surfaces
 
-STENOSIS_PERCENT = 3.0  # of diameter: throats that differ by less are one place
+STENOSIS_PERCENT = 3.0  # per cent of the diameter; throats that differ by less count as one place
 ROOT_SHARE = 0.8  # of the parent's radius: where a lofted side branch begins, it widens by 45 degrees
 
 
@@ -34,9 +34,9 @@ class Patient:
     def lesion(self):
         """(places (n, 3) mm, least and most diameter stenosis in per cent) of the worst lesion, or None.
 
-        Two throats of nearly one width are both the worst place: no measurement tells them apart.
-        Where a side branch opens a throat, its tube is not the lumen. What is measured there lies between the
-        stenosis of the tube and the worst one of a section that no other branch touches; so does its place.
+        Of two throats of nearly equal width either may be the worst, since no measurement can separate them. Where a
+        side branch opens a throat, the branch's tube is not the lumen. The measured stenosis then lies between that of
+        the tube and the worst one of a section that no other branch touches. So does its place.
         """
         every = [(lesion, k) for k, branch in enumerate(self.truth["branches"]) for lesion in branch["lesions"]]
         if not every:
@@ -67,7 +67,8 @@ class Patient:
         return clear
 
     def pieces(self, corners, spacing, caps="fan", slant=0.0, stub=None):
-        """A loft of each branch; a side branch begins inside its parent and with `stub` ends that many mm outside."""
+        """A loft of each branch. A side branch begins inside its parent. With `stub` it ends this many mm outside the
+        parent."""
         made = []
         for number, branch in enumerate(self.branches):
             s, x, r = branch["s_mm"], branch["points_mm"], branch["radius_mm"]

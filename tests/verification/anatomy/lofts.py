@@ -1,4 +1,4 @@
-"""Lumens as other programs loft them: rings of few corners along an axis, joined by flat quadrangles, closed flat."""
+"""Lumens as other programs loft them: rings with few corners along an axis, joined by quadrangles, with flat ends."""
 
 import numpy as np
 import surfaces

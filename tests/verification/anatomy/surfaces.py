@@ -77,7 +77,7 @@ def distances(points, data):
 def onto_cones(points, segments):
     """The points (n, 3) of a tree moved across its axes on the nearest of the cones (start, end, r0, r1).
 
-    A grid of spacing h, between whose nodes the distance is taken as linear, puts them up to h^2 / 8R inside.
+    On a grid of spacing h the distance is interpolated linearly. So points lie up to h^2 / 8R inside the cones.
     """
     least, moved = np.full(len(points), np.inf), points.copy()
     for a, b, r0, r1 in segments:
@@ -228,8 +228,9 @@ def level_surface(low, field, spacing):
 def tree(segments, spacing=0.2, rounded=False, inner=(), reach=2.5, noise=0.0, seed=1):
     """Tree (points, triangles) of straight cones (start, end, r0, r1) by flying edges of `tree_field`.
 
-    Open at every end and cut flat there within `reach` radii; the segments numbered `inner` end inside the tree.
-    `rounded`: closed, with half balls for ends. `noise`: rms displacement of the wall (mm), put into the field.
+    Every end is open, and cut flat within `reach` radii. The segments with the numbers `inner` are not cut: they end in
+    another segment, or closed.
+    `rounded`: all ends are closed by half balls. `noise`: rms displacement (mm) of the wall, added to the field.
     """
     low, field = tree_field(segments, spacing, rounded)
     # a vertex lies at a random part t of a grid edge: E[t^2 + (1 - t)^2] = 2/3 of the nodes' variance reaches it

@@ -91,7 +91,8 @@ TURNED = TURNED * np.sign(np.linalg.det(TURNED))
 
 @pytest.mark.parametrize("matrix", [np.diag([-1, -1, 1]), TURNED], ids=["ras", "turned"])
 def test_names_hold_in_any_frame(check, model, tmp_path, matrix):
-    """Left-posterior-superior, right-anterior-superior or none of both: the order round the aorta is the same."""
+    """The names are the same in left-posterior-superior, right-anterior-superior and any other coordinates, since the
+    order round the aorta is."""
     surface = surfaces.write(tmp_path / "moved.stl", *moved(model, matrix, (50, -20, 300)))
     trees = trees_of(check(surface))
     assert {name: outlets for name, (_, _, outlets) in trees.items()} == OUTLETS
@@ -162,7 +163,7 @@ def test_outlets_choose_the_tree_and_what_they_leave_out_is_said(lumen, model, w
 
 
 def test_open_ends_a_wide_aorta_and_an_aneurysm(check, folder, tmp_path):
-    """A wide aorta (34 mm) left open at both ends, and a sac of 11 mm in the left tree."""
+    """The aorta is 34 mm wide and open at both ends. The left tree has an aneurysm of 11 mm."""
     found = aorta.Model()
     found.add_aorta(folder, scale=1.1)
     found.add_tree(folder, "left", change=lambda s, r: np.maximum(r, 5.5 * np.exp(-(((s - 165) / 7) ** 2)) * (s > 145)))
@@ -175,9 +176,9 @@ def test_open_ends_a_wide_aorta_and_an_aneurysm(check, folder, tmp_path):
 @pytest.mark.long
 @pytest.mark.parametrize("lean", [-0.8, 0])
 def test_a_closed_stub_is_refused_unless_all_outlets_are_named(check, folder, tmp_path, lean):
-    """A side branch of 1 mm that was cut off and closed 2.4 mm from its parent's wall: no end, but an outlet.
+    """A side branch of 1 mm is cut off and closed 2.4 mm from its parent's wall. Such an outlet is not found as an end.
 
-    What leans (its tangent to the parent's normal) shows from one end of the tree only.
+    If it leans towards one end of the tree, it stands out only in the distance from the other end.
     """
     found = aorta.Model()
     found.add_aorta(folder)
@@ -217,7 +218,7 @@ def test_an_ectatic_coronary_is_no_aorta(check, tmp_path, main, warned):
     assert trees_of(done) is None
     assert done.stdout.count("end: an opening") == 3
     assert ("wide vessel taken for a coronary artery" in done.stderr) == warned
-    if warned:  # the user's word decides
+    if warned:  # outlets that the user names decide
         assert list(trees_of(check(tmp_path / "ectatic.stl", "--tree", "left"))) == ["tree1"]
         assert "wide vessel" not in check(tmp_path / "ectatic.stl", "--tree", "whole").stderr
 

@@ -1,4 +1,5 @@
-"""What the campaign counts as right: throats of one width are one place, a stated band is a part of the figure."""
+"""What the campaign counts as right: throats of equal width count as one place, and errors within a stated band are
+allowed."""
 
 import json
 
@@ -29,7 +30,7 @@ def test_throats_of_one_width_are_one_place(second, alike):
 
 
 def test_a_stated_band_is_that_of_the_area():
-    """A vessel of which a quarter of the area is lost is 15.5 per cent wider than it seems."""
+    """If a quarter of a vessel's area is lost, its true diameter is 15.5 per cent larger than it seems."""
     lesion = {"mla_error_percent": 25, "diameter_stenosis_percent": 70}
     assert campaign_truth.stated_error_percent(lesion) == pytest.approx(4.64, abs=0.01)
     assert campaign_truth.stated_error_percent(lesion | {"mla_error_percent": 0}) == 0

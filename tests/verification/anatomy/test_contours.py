@@ -129,7 +129,8 @@ def test_pull_backs_go_through_the_anatomy(binary, repo_root, shared_data, tmp_p
 
 
 def test_plaque_where_the_wall_was_traced_in_part(binary, tmp_path):
-    """A vessel of 30 mm, 3 mm wide, in a wall of 3.8 mm; that was traced in the throat alone, as in daily work."""
+    """The vessel is 30 mm long and 3 mm wide, its outer wall 3.8 mm. The wall was traced only in the throat, as in
+    clinical routine."""
     turn = 2 * np.pi * np.arange(60) / 60
     for name, frames in (("lumen", range(61)), ("wall", [24])):
         with (tmp_path / f"{name}.csv").open("w") as file:
@@ -155,7 +156,8 @@ def test_plaque_where_the_wall_was_traced_in_part(binary, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("z_from", ["distal", "proximal"])
 def test_landmarks_of_a_registration_are_read_off_the_tables(binary, repo_root, tmp_path, z_from):
-    """The shipped vessel before and after its stent, also with z turned round: 25 - z. A sign once cost 8.1 mm."""
+    """The shipped vessel before and after its stent, also with z reversed (25 - z). Formerly a wrong sign gave an error
+    of 8.1 mm."""
     places, case = {"before": 15.68, "after": 19.75}, repo_root / "config" / "cases" / "ivus_stent.yaml"
     given = case.read_text()
     for name, z in places.items():
@@ -181,9 +183,10 @@ def test_landmarks_of_a_registration_are_read_off_the_tables(binary, repo_root, 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["shipped", *PULL_BACKS[1:]])
 def test_changes_from_frame_to_frame_are_kept(binary, repo_root, shared_data, tmp_path, name):
-    """Areas of sections.csv at the frames against the outlines' own, where the axis runs across the frame.
+    """At the frames the areas of sections.csv equal the outlines' own, where the axis is perpendicular to the frame.
 
-    Between sections 0.1 mm apart the area is interpolated; one that leans by 5 degrees reaches 0.1 mm up the vessel.
+    Areas are interpolated between sections 0.1 mm apart. A section that leans by 5 degrees extends over 0.1 mm of the
+    vessel.
     """
     document = run.run(shipped(repo_root) if name == "shipped" else tables_of(shared_data, name), tmp_path)
     command = [binary("lumen"), "process", tmp_path / "lumen.vtp", "--out", tmp_path / "anatomy", "--spacing", "0.1"]
@@ -200,7 +203,8 @@ def test_changes_from_frame_to_frame_are_kept(binary, repo_root, shared_data, tm
 
 
 def test_a_pull_back_on_a_ct_centreline(repo_root, shared_data, tmp_path):
-    """Not the same patient: the line's bends are a coronary's, and the sections across it must keep their areas."""
+    """Centreline and pull-back are of different patients. But the line bends like a coronary, and the sections must
+    keep their areas."""
     centreline = shared_data / "multimoda" / "lca_cl.vtp"
     if not centreline.is_file():
         pytest.skip(f"{centreline} is absent (see SOURCES.md)")

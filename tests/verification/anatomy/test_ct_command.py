@@ -1,4 +1,4 @@
-"""A phantom handed on as archives do, oblique NIfTI and DICOM, gives the lumen that its own file gives."""
+"""A phantom stored as in archives, as oblique NIfTI and as DICOM, gives the same lumen as its own file."""
 
 import importlib.util
 import json

@@ -1,4 +1,5 @@
-"""Limits of the readers of surfaces and masks: a file that someone may have just inside, and what is said outside."""
+"""Limits of the readers of surfaces and masks: plausible files just within a limit, and the messages for files beyond
+it."""
 
 import gzip
 
@@ -28,7 +29,7 @@ def capped_tube(path, around, radius=1.5, length=12.0):
 
 
 def test_polygons_of_255_corners(lumen, tmp_path):
-    """VTK counts a polygon's corners in one byte: 256 would be none."""
+    """VTK counts the corners of a polygon in one byte, so it would read 256 as 0."""
     done = lumen(capped_tube(tmp_path / "tube.ply", 255), tmp_path / "out")
     assert done.returncode == 0, done.stderr
     done = lumen(capped_tube(tmp_path / "tube.ply", 256), tmp_path / "other")
@@ -48,7 +49,8 @@ def taken(lumen, mask, out, *options):
 
 
 def test_a_long_header_of_3d_slicer_is_read(lumen, tmp_path):
-    """A segmentation of a hundred segments: over a thousand lines, the terminology's of thousands of characters."""
+    """The header of a segmentation with a hundred segments has over a thousand lines, some of thousands of
+    characters."""
     path = masks.nrrd(tmp_path / "mask.seg.nrrd", *drawn())
     head, voxels = path.read_bytes().split(b"\n\n", 1)
     keys = [f"Segment{k}_{name}:=value".encode() for k in range(120) for name in ("Color", "Extent", "ID", "Name")]
@@ -69,7 +71,7 @@ def test_overlapping_segments_of_3d_slicer_are_refused_with_their_remedy(lumen, 
 
 
 def test_a_volume_of_many_slices_is_read(lumen, tmp_path):
-    """9000 slices of a micro-CT; a header that says more than 65535 is damaged."""
+    """A micro-CT has 9000 slices. A header with more than 65535 is damaged."""
     labels, matrix = drawn((9000, 14, 14), 0.4, 1.4, ((4000, 7, 7), (4040, 7, 7)))
     for name in (".nii.gz", ".nrrd"):
         taken(lumen, masks.WRITERS[name](tmp_path / f"mask{name}", labels, matrix), tmp_path / f"out{name}")
@@ -81,19 +83,19 @@ def test_a_volume_of_many_slices_is_read(lumen, tmp_path):
 
 @pytest.mark.slow
 def test_an_empty_volume_packs_as_well_as_it_can(lumen, tmp_path):
-    """A short vessel in a large image: deflate comes near its best, 1032 to 1."""
+    """A short vessel in a large image compresses very well, nearly by deflate's limit of 1032 to 1."""
     labels, matrix = drawn((280, 260, 160))
     mask = masks.nifti(tmp_path / "mask.nii.gz", labels, matrix)
     assert 2 * labels.size > 850 * mask.stat().st_size
     taken(lumen, mask, tmp_path / "out")
     whole = gzip.open(mask).read()
-    mask.write_bytes(gzip.compress(whole[:2000]))  # whole by its own account, but of few voxels
+    mask.write_bytes(gzip.compress(whole[:2000]))  # a valid gzip file, but with too few voxels
     done = lumen(mask, tmp_path / "other")
     assert done.returncode == 2 and "the header promises" in done.stderr
 
 
 def test_voxels_of_a_tenth_of_a_millimetre_in_metres(lumen, tmp_path):
-    """Their volume is 1e-12 of the file's unit: no reason to doubt it. Voxels without a volume are refused."""
+    """The volume of a voxel is 1e-12 cubic metres, which is plausible. Voxels without a volume are refused."""
     labels, matrix = drawn((90, 60, 44), 0.1, 1.2, ((20, 28, 22), (70, 30, 22)))
     small = np.diag([1e-3, 1e-3, 1e-3, 1]) @ matrix
     taken(lumen, masks.nrrd(tmp_path / "mask.nrrd", labels, small), tmp_path / "out", "--units", "m")
@@ -104,7 +106,8 @@ def test_voxels_of_a_tenth_of_a_millimetre_in_metres(lumen, tmp_path):
 
 
 def test_a_mask_cropped_to_its_vessel(lumen, tmp_path):
-    """A straight vessel fills pi / 4 of the closest box round it, the other label of two less than nine tenths."""
+    """A straight vessel fills pi / 4 of its bounding box, which is accepted. A label that fills more than nine tenths
+    of the image is refused."""
     across = np.hypot(*np.meshgrid(*2 * [np.arange(-5, 6)])) < 5.6
     labels = np.repeat(across[None].astype(int), 60, axis=0)
     assert 0.75 < labels.mean() < 0.9
@@ -116,7 +119,7 @@ def test_a_mask_cropped_to_its_vessel(lumen, tmp_path):
 
 
 def test_a_spur_of_the_segmentation_is_no_lost_narrowing(lumen, tmp_path):
-    """A thread of one voxel that ends in a lump of 2 x 2 x 2: its surface stands alone, and is dropped."""
+    """A thread of one voxel ends in a lump of 2 x 2 x 2 voxels. The lump's surface is separate, and is dropped."""
     labels, matrix = drawn((206, 50, 24), ends=((15, 20, 11), (190, 20, 11)))
     labels[40, 22:34, 11] = 1
     labels[40:42, 34:36, 11:13] = 1

@@ -1,4 +1,4 @@
-"""A compressed artery by intravascular ultrasound, 1.2 x 5.0 mm at its ostium: from the file to the deployed lumen."""
+"""A compressed artery, 1.2 x 5.0 mm at its ostium, by intravascular ultrasound: from the file to the deployed lumen."""
 
 import json
 import subprocess
@@ -40,7 +40,7 @@ def run(repo_root):
 
 
 def check(before, after, result):
-    """No far wall is held, and the device opens the lumen."""
+    """The far walls of the slit are not held in place, and the device opens the lumen."""
     x, y = vtp.points(before), vtp.points(after)
     radius = np.array(before.GetPointData().GetArray("radius_mm"))
     far = np.linalg.norm(x[:, :2] - np.median(x[:, :2], axis=0), axis=1) > 4 * radius

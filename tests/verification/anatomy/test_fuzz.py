@@ -1,4 +1,4 @@
-"""Broken files of every format end in success or in one refusal, in bounded time and memory; see fuzz.py."""
+"""Damaged files of every format are read or refused with one message, in limited time and memory (see fuzz.py)."""
 
 import fuzz
 import pytest

@@ -1,4 +1,4 @@
-"""The anatomy's readers of surfaces and masks, in one process, over sound files and seeded mutants of them."""
+"""The anatomy's readers of surfaces and masks read sound files and seeded mutants of them, in one process."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""Shapes that mislead: narrow forks, ends side by side, thin branches, throats, hairpins, rings."""
+"""Shapes that are hard for the anatomy: narrow forks, ends side by side, thin branches, throats, hairpins, rings."""
 
 import csv
 import json
@@ -121,7 +121,8 @@ def test_throat_of_a_third_of_a_millimetre(measured, tmp_path):
 
 @pytest.mark.parametrize("stenosis", [0.9, 0.95])
 def test_thread_like_throat(measured, tmp_path, stenosis):
-    """Radius 0.16 and 0.08 mm, too narrow for the edge asked for: a finer mesh there, of the right area."""
+    """Throats with radii of 0.16 and 0.08 mm are too narrow for the wanted edge. They get a finer mesh and have the
+    right area."""
 
     def radius(s):
         return 1.6 * (1 - stenosis * np.where(np.abs(s - 8) < 4, np.cos(np.pi * (s - 8) / 8) ** 2, 0))
@@ -140,7 +141,8 @@ def test_thread_like_throat(measured, tmp_path, stenosis):
 @pytest.mark.slow
 @pytest.mark.parametrize("edge", [0.2, 0.4])
 def test_hairpin_does_not_fuse(measured, tmp_path, edge):
-    """Legs 0.3 mm apart: the vessel's full length and volume, or an error; never a short cut."""
+    """The legs are 0.3 mm apart. The result has the full length and volume, or an error is raised. The legs never
+    fuse."""
     axis, length = surfaces.hairpin(12, 0.3, 1.2)
     surface = surfaces.write(tmp_path / "hairpin.vtp", *surfaces.tube(axis, lambda s: 1.2 + 0 * s, length, 0.2))
     done, summary, rows = measured(surface, "out", "--edge", edge)
@@ -163,7 +165,8 @@ def test_vessels_that_fuse_to_a_ring_are_refused(measured, tmp_path):
 
 
 def test_noise_as_large_as_the_triangles_is_refused_early(measured, tmp_path):
-    """Tens of handles: said so before the search for self-intersections, which took up to 20 s only to be refused."""
+    """The surface has tens of handles. It is refused before the search for self-intersections, which took up to 20
+    s."""
     segments = [((0, 0, 0), (12, 0, 0), 1.6, 1.4)]
     done, *_ = measured(surfaces.write(tmp_path / "n.vtp", *surfaces.tree(segments, spacing=0.13, noise=0.1)), "out")
     assert done.returncode == 2 and "rings, as no coronary tree does" in done.stderr

@@ -1,4 +1,5 @@
-"""What `lumen` writes: whole or not at all, its own, and only under a name that it can write."""
+"""The output of `lumen`: it is complete or absent, no other process's file is touched, and names that cannot be written
+are refused."""
 
 import resource
 import subprocess
@@ -43,7 +44,7 @@ def test_an_unknown_ending_is_refused_before_the_input_is_read(binary, tmp_path,
 
 
 def test_two_runs_into_one_folder_do_not_share_files(process, tmp_path):
-    """What another process has begun to write there stays its own."""
+    """Temporary files of another process in the same folder are left alone."""
     surface = surfaces.write(tmp_path / "t.stl", *surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 10))
     (tmp_path / "out").mkdir()
     other = tmp_path / "out" / ".partial-lumen.vtp"

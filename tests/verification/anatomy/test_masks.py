@@ -111,7 +111,8 @@ def test_few_voxels_at_the_end_of_a_healthy_vessel_are_noted(lumen, tmp_path):
     ids=["lost", "coarse", "fine", "no grid"],
 )
 def test_a_surface_of_few_voxels_says_its_error(process, tmp_path, grid, voxels, percent):
-    """The file does not say that the throat comes from voxels. The same throat without a grid has no such error."""
+    """The surface file does not say that it was contoured from voxels, but the grid shows. The same throat without a
+    grid has no such error."""
     throat = 0.35 * voxels if grid is None else grid * voxels
     radius = lofts.narrowed(1.5, 100 * (1 - throat / 1.5), 12, 8)
     points, triangles = surfaces.tube(surfaces.arc(0.05), radius, 24, edge=0.25)

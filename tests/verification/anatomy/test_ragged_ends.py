@@ -1,4 +1,4 @@
-"""Ends opened by deleting triangles: number, place and radius of the ends are the truth's, or the end is refused."""
+"""Ends were opened by deleting triangles. Number, place and radius of the ends are right, or the end is refused."""
 
 import json
 
@@ -20,7 +20,8 @@ def tree():
 
 
 def check_ends(done, out, ends, depth, farther=1.0):
-    """The ends of anatomy.json are true but for `depth` and up to `farther` mm cut off; each cut is warned of."""
+    """Checks that the ends of anatomy.json are right, except that up to `depth` + `farther` mm may be cut off. Each cut
+    gives a warning."""
     assert done.returncode == 0, done.stderr
     found = json.loads((out / "anatomy.json").read_text())
     assert len(found["ends"]) == len(ends)
@@ -62,7 +63,8 @@ def test_tree_with_sawtooth_ends(lumen, tree, tmp_path, depth, seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_rough_tree_with_sawtooth_ends(lumen, tree, tmp_path, seed):
-    """Slivers scattered by 0.05 mm cross each other in some 2500 places: right, or refused with the place."""
+    """Slivers whose points are scattered by 0.05 mm cross each other in some 2500 places. The result is right, or is
+    refused with the place."""
     points = tree[0] + 0.05 * np.random.default_rng(seed).standard_normal(tree[0].shape)
     for depth in (0, 0.2, 0.4):
         surface = surfaces.write(tmp_path / "t.stl", *surfaces.sawtooth(points, tree[1], TREE_ENDS, depth, seed))
@@ -86,7 +88,8 @@ def test_teeth_longer_than_the_radius_are_refused_with_their_place(lumen, tmp_pa
 @pytest.mark.parametrize("degrees", [20, 35, 50])
 @pytest.mark.parametrize("edge, depth", [(0.4, 0.3), (0.2, 0)])
 def test_oblique_trims(lumen, tmp_path, degrees, edge, depth):
-    """The vessel leads away from the normal of such a rim: cut obliquely, an ellipse round the axis."""
+    """The vessel does not run along the normal of such a rim. It is cut obliquely, so the cap is an ellipse round the
+    axis."""
     tilt = np.radians(degrees)
     normal = np.array([np.cos(tilt), np.sin(tilt), 0])
     points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 24, edge, capped=False)

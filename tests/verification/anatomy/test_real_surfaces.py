@@ -50,7 +50,8 @@ def test_closed_and_well_shaped(process, name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_becomes_a_volume_mesh(process, run_module, tmp_path, name):
-    """The tagged surface is what the volume mesh of the flow is made from: same volume, every end a boundary."""
+    """The volume mesh of the flow is made from the tagged surface. It has the same volume, and each end is a
+    boundary."""
     summary, *_ = process(name)
     folder = process.folders[name]
     command = ["flow", "mesh", folder / "lumen.vtp", "--centreline", folder / "centreline.vtp"]
@@ -95,7 +96,7 @@ def test_bifurcation_with_three_open_ends(process):
 
 
 def test_a_closed_stub_is_told(binary, shared_data):
-    """A side branch of 2.7 mm that has no end is left as wall, but not in silence."""
+    """A closed side branch of 2.7 mm is left as wall, with a warning."""
     surface = shared_data / "multimoda" / "rca_tree_mm.stl"
     command = [str(binary("lumen")), "check", str(surface), "--units", "mm"]
     done = subprocess.run(command, text=True, capture_output=True)
@@ -130,8 +131,8 @@ def sharpest_fold(points, triangles):
 @pytest.mark.slow
 @pytest.mark.parametrize("widened_mm, within_mm", [(0.4, 4)])
 def test_a_widened_tree_has_no_folds(binary, shared_data, tmp_path, widened_mm, within_mm):
-    """A real tree, widened at one place and processed as a deployed lumen is. Widening a narrow corner far from there
-    laid two triangles onto each other, which left a volume mesh with a sliver."""
+    """A real tree is widened at one place and processed like a deployed lumen. Formerly the widening of a narrow corner
+    elsewhere laid two triangles onto each other, and the volume mesh had a sliver."""
     lumen, before = str(binary("lumen")), tmp_path / "before"
     surface = shared_data / "dbihar" / "721A_lumen_derived_mm.stl"
     subprocess.run(
@@ -162,8 +163,8 @@ def reference_of(binary, surface, out, *options):
 
 @pytest.mark.slow
 def test_the_reference_of_an_irregular_vessel_hardly_depends_on_its_mesh(binary, shared_data, tmp_path):
-    """No 4 mm of this artery follow one line, and it has a funnel at the inlet and an ectasia. A line through these two
-    made all the rest a lesion of 74 %, at some spacings of the sections or with some noise."""
+    """No 4 mm of this artery follow one line, and it has a funnel at the inlet and an ectasia. Formerly a line through
+    these two made all the rest a lesion of 74 %, at some spacings of the sections or with some noise."""
     surface = shared_data / "dbihar" / "721A_lumen_derived_mm.stl"
     reader = surfaces.vtk.vtkSTLReader()
     reader.SetFileName(str(surface))

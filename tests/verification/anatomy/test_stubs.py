@@ -1,4 +1,4 @@
-"""Side branches cut off close behind their parent's wall: outlets as CT trees have them."""
+"""Side branches that are cut off close behind their parent's wall, as in trees from CT."""
 
 import json
 
@@ -28,7 +28,7 @@ def test_a_stub_is_an_outlet(process, tmp_path, length):
 
 
 def test_a_face_of_the_wall_is_no_branch(lumen, tmp_path):
-    """An opening flush with the wall, as a false end is."""
+    """The opening is flush with the wall, as a false end would be."""
     done = lumen(with_stub(tmp_path / "flush.vtp", 0.1), tmp_path / "out")
     assert done.returncode == 2
     assert "an end lies in the wall of another vessel" in done.stderr and "name the ends" in done.stderr
@@ -38,7 +38,8 @@ def test_a_face_of_the_wall_is_no_branch(lumen, tmp_path):
 @pytest.mark.parametrize("out, told", [(2.6, 1), (4.5, 0)], ids=["short", "longer"])
 @pytest.mark.parametrize("lean", [-3, 0, 3])
 def test_a_closed_stub_is_told_or_an_end_whichever_way_it_leans(lumen, tmp_path, lean, out, told):
-    """It stands out by little in distance along the surface from the end that it leans towards."""
+    """A stub hardly stands out in the distance along the surface from the end that it leans towards. So the distance
+    from the other end counts too."""
     main, stub = ((0, 0, 0), (24, 0, 0), 1.5, 1.3), ((12, 0, 0), (12 + lean, out, 0), 0.7, 0.7)
     surface = surfaces.write(tmp_path / "stub.vtp", *surfaces.tree([main, stub], inner=(1,)))
     done = lumen(surface, tmp_path / "out")
@@ -70,7 +71,7 @@ def short_left_main(length):
 @pytest.mark.slow
 @pytest.mark.parametrize("length", [2.0, 3.0])
 def test_a_left_main_shorter_than_wide_is_the_inlet_once_named(lumen, tmp_path, length):
-    """It counts as a stub, and the largest of the other ends would become the inlet."""
+    """The left main counts as a stub. Without its name, the largest of the other ends would become the inlet."""
     surface = surfaces.write(tmp_path / "left.vtp", *short_left_main(length))
     done = lumen(surface, tmp_path / "out")
     assert done.returncode == 2 and "a closed stub is wider than every end" in done.stderr
@@ -84,7 +85,8 @@ def test_a_left_main_shorter_than_wide_is_the_inlet_once_named(lumen, tmp_path, 
 
 @pytest.mark.slow
 def test_two_tips_of_one_wide_dome_are_one_end(lumen, tmp_path):
-    """The dome of a left main is wider than the mean vessel. It was cut at one tip, and then the other one was gone."""
+    """The dome of a left main is wider than the mean vessel and has two tips. Formerly it was cut at one tip, and then
+    the other tip was not found."""
     stem, ends = ((0, 0, 0), (5, 0, 0), 2.25, 2.25), ((45, 18, 3), (25, -35, -2))
     branches = [((5, 0, 0), end, 1.0, 0.7) for end in ends] + [((25, 9, 1.5), (35, -6, 8), 0.8, 0.7)]
     surface = surfaces.write(tmp_path / "left.vtp", *surfaces.tree([stem, *branches], rounded=True))
@@ -103,8 +105,9 @@ def test_a_left_main_longer_than_wide_is_the_inlet(lumen, tmp_path):
 
 
 def test_an_occluded_branch_explains_the_step_of_the_vessel_that_goes_on(lumen, tmp_path):
-    """A left main of 4.5 mm, a stump of 3.6 mm, and a vessel of 3.2 mm with a lesion of 40 %. The step by .71 is deeper
-    than into two equal branches, and the sections at the stump's mouth are wider than the left main."""
+    """A left main of 4.5 mm, the stump of an occluded branch of 3.6 mm, and a vessel of 3.2 mm with a lesion of 40 %.
+    The step to .71 of the diameter is deeper than at a fork into two equal branches. At the stump's mouth sections are
+    wider than the left main."""
     stem, stump = ((0, 0, 0), (10, 0, 0), 2.25, 2.25), ((10, 0, 0), (13, 3, 0), 1.8, 1.8)
     along = np.array([0, 9, 12, 15, 45.0])[:, None] * (0.9, -np.sqrt(0.19), 0) + (10, 0, 0)
     radii = [1.6, 1.6, 0.96, 1.6, 1.5]
@@ -119,7 +122,7 @@ def test_an_occluded_branch_explains_the_step_of_the_vessel_that_goes_on(lumen, 
 
 
 def test_an_inlet_named_at_an_end_leaves_a_stub_closed(lumen, tmp_path):
-    """Its point is nearer to the end than to the stub, within reach of both."""
+    """The inlet's point is within reach of an end and of the stub, but nearer to the end."""
     main, stub = ((0, 0, 0), (24, 0, 0), 1.5, 1.3), ((3, 0, 0), (3, 2.6, 0), 0.9, 0.9)
     surface = surfaces.write(tmp_path / "stub.vtp", *surfaces.tree([main, stub], inner=(1,)))
     done = lumen(surface, tmp_path / "out", "--inlet", "0,0,0")
@@ -129,7 +132,7 @@ def test_an_inlet_named_at_an_end_leaves_a_stub_closed(lumen, tmp_path):
 
 @pytest.mark.parametrize("out", [3, 4])
 def test_a_fork_cut_close_behind_it_loses_no_outlet_in_silence(lumen, tmp_path, out):
-    """Once one tip is cut flat, the other is the farthest place of the lumen."""
+    """Once one tip is cut flat, the other tip lies beyond all ends. This is refused."""
     done = lumen(surfaces.write(tmp_path / "fork.vtp", *fork(out)), tmp_path / "out")
     assert done.returncode == 2 and "the lumen goes on beyond its ends" in done.stderr
 

@@ -11,9 +11,9 @@ AT, HOLE_MM = np.array([10.0, 1.5, 0.0]), 0.45
 
 
 def lipped(height, turned=False):
-    """(points, triangles) of an open tube with a hole in its wall whose lip stands out by `height` (mm).
+    """(points, triangles) of an open tube with a hole in its wall. The hole's lip stands out by `height` (mm).
 
-    The wall beside the rim runs along the rim's normal then, as it does at the mouth of a vessel.
+    So the wall beside the rim runs along the rim's normal, as at the mouth of a vessel.
     """
     points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 20, 0.2, capped=False)
     away = np.linalg.norm(points - AT, axis=1) < HOLE_MM
@@ -52,7 +52,7 @@ def test_a_tear_with_a_lip_is_filled_and_said(binary, tmp_path, turned):
 
 
 def test_the_mouth_of_a_short_branch_stays_an_end(binary, tmp_path):
-    """A third of its radius long: hardly longer than what is a tear."""
+    """The branch is a third of its radius long, hardly longer than the lip of a tear."""
     done, ends = openings(binary, surfaces.write(tmp_path / "t.stl", *lipped(0.2)))
     assert done.returncode == 0, done.stderr
     assert len(ends) == 3 and "tear in the wall" not in done.stdout + done.stderr

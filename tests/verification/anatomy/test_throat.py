@@ -1,4 +1,4 @@
-"""A severe narrowing: as many edges round it as round the healthy vessel, so that it stays round once it is opened."""
+"""A severe narrowing has as many edges round it as the healthy vessel. So it stays round when it is opened."""
 
 import csv
 import json
@@ -14,14 +14,15 @@ HEALTHY, LENGTH, THROAT_AT, EDGE = 1.6, 24.0, 12.0, 0.4
 
 
 def radius(s):
-    """66 % diameter stenosis, 8 mm long."""
+    """Radius of a vessel with a stenosis of 66 % by diameter, 8 mm long."""
     inside = np.abs(s - THROAT_AT) < 4
     return HEALTHY * (1 - 0.66 * np.where(inside, np.cos(np.pi * (s - THROAT_AT) / 8) ** 2, 0))
 
 
 @pytest.fixture(scope="module")
 def states(binary, tmp_path_factory):
-    """{state: (summary, rows, polydata)}: the narrowed tube, its second pass, and a pass after opening to HEALTHY."""
+    """{state: (summary, rows, polydata)}: of the narrowed tube, of this result processed again, and of the tube opened
+    to HEALTHY."""
     folder, out = tmp_path_factory.mktemp("throat"), {}
 
     def run(surface, name, *options):

@@ -1,4 +1,5 @@
-"""Trees of known axes and radii: the bounds on axis, areas and mesh at two resolutions of the input, and with noise."""
+"""Trees of known axes and radii: limits for the errors of axis, areas and mesh, at two resolutions of the input and
+with noise."""
 
 import subprocess
 
@@ -36,7 +37,7 @@ def state(request, process, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def repaired(state, binary):
-    """The surface that is remeshed: repaired and capped."""
+    """The repaired and capped surface, which is then remeshed."""
     folder = state[-1]
     command = [binary("lumen"), "check", folder / "tree.vtp", "--repaired", folder / "repaired.vtp"]
     done = subprocess.run([str(c) for c in command], text=True, capture_output=True, timeout=240)
@@ -89,15 +90,15 @@ def test_mesh(state, repaired):
     on_cap = np.zeros(len(points), bool)
     on_cap[triangles[vtk_to_numpy(lumen.GetCellData().GetArray("region_id")) != 0]] = True
     patched = any(repair["what"] == "small handles removed" for repair in summary["repairs"])
-    # over a handle the surface given is no lumen's: there the repaired one is what is remeshed
+    # At a handle the given surface is no lumen. There the result is compared with the repaired surface.
     off = surfaces.distances(points[~on_cap], repaired if patched else surfaces.polydata(*given))
     assert off.max() < 0.01 + 1e-6 and np.median(off) < 0.005
 
 
 def test_repaired_surface_is_the_given_one(repaired, state):
-    """Repair puts no new points on the wall: what closes the place of a handle hangs on the points round it.
+    """Repair adds no points to the wall. Where a handle was cut out, the new triangles use the points round the hole.
 
-    Where the wall crosses itself, CGAL smooths or fills: a few points in ten thousand, beside the rims here.
+    Where the wall crosses itself, CGAL smooths or fills it. This moves a few points in ten thousand, beside the rims.
     """
     points, triangles = surfaces.arrays(repaired)
     wall = np.ones(len(points), bool)
@@ -109,7 +110,8 @@ def test_repaired_surface_is_the_given_one(repaired, state):
 
 @pytest.mark.parametrize("state", ["noise with handles"], indirect=True)
 def test_same_input_same_bits(state, process, tmp_path):
-    """Where open ends are capped, handles cut and corners widened, too: each search has many equally good answers."""
+    """This includes the capping of open ends, the cutting of handles and the widening of corners. Each of these
+    searches has many equally good results."""
     folder = state[-1]
     for again in ("second", "third"):
         summary, _ = process(folder / "tree.vtp", tmp_path / again)

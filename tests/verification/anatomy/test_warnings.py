@@ -1,4 +1,4 @@
-"""What is not as wanted but goes on is said, with its place; and what is sound is not warned of."""
+"""Defects that do not stop the program give a warning with their place. Sound surfaces give none."""
 
 import json
 
@@ -65,7 +65,8 @@ def test_a_single_vertex_that_stands_out_is_put_back(said, edge, height):
 
 
 def test_a_dilatation_is_no_reference(lumen, tmp_path):
-    """A bulge of 60 % with a narrowing beside it: one lesion, measured against the vessel."""
+    """A vessel has a bulge of 60 % and a narrowing beside it. There is one lesion, measured against the healthy
+    vessel."""
 
     def radius(s):
         return 1.5 + 0.9 * np.exp(-(((s - 13) / 3) ** 2)) - 0.6 * np.exp(-(((s - 28) / 2) ** 2))
@@ -90,7 +91,7 @@ def test_vessel_healthy_between_two_narrowings_is_no_dilatation(said):
 
 @pytest.mark.parametrize("off_mm, told", [(0.0, False), (0.03, True)])
 def test_a_cap_that_is_nearly_flat_is_noted_not_warned_of(said, off_mm, told):
-    """By 2 % of its radius. A cap that is less flat than that is cut as a rounded end."""
+    """The cap's rim is off its plane by up to 2 % of the radius. A cap that is less flat is cut like a rounded end."""
     points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 20, 0.3)
     rim = np.isclose(points[:, 0], 20) & (np.hypot(points[:, 1], points[:, 2]) > 1)
     points[rim, 0] += off_mm * np.sign(points[rim, 1]) * np.sign(points[rim, 2])
@@ -101,7 +102,7 @@ def test_a_cap_that_is_nearly_flat_is_noted_not_warned_of(said, off_mm, told):
 
 @pytest.mark.parametrize("inlet, told", [(2.1, True), (1.8, False)])
 def test_a_lesion_beside_an_end_that_is_wider_than_the_reference(said, inlet, told):
-    """The vessel loses a fifth of its width in the lesion, as where a branch leaves that the file lacks."""
+    """Before the lesion the vessel is wider than behind it, as at a branch that is missing in the file."""
 
     def radius(s):
         healthy = np.where(s < 4.2, inlet, 1.7)
@@ -112,7 +113,8 @@ def test_a_lesion_beside_an_end_that_is_wider_than_the_reference(said, inlet, to
 
 
 def test_noise_at_the_inlet_is_no_narrowing(said):
-    """It moves the axis off the middle there, where the largest ball in the lumen is a third narrower."""
+    """Noise moves the axis off the middle at the inlet. The largest ball round the axis is there a third narrower than
+    the lumen."""
     points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.8 - 0.55 * s / 40, 40, 0.25)
     points = np.asarray(points) + 0.03 * np.random.default_rng(1).standard_normal(np.shape(points))
     errors, _ = said(points, triangles, "--inlet", "0,0,0")
@@ -121,7 +123,7 @@ def test_noise_at_the_inlet_is_no_narrowing(said):
 
 @pytest.mark.parametrize("throat, told", [(0.0, True), (8.0, False)])
 def test_a_lesion_on_the_inlet_itself(said, throat, told):
-    """60 % at the plane of the ostium, where no section is measured."""
+    """A stenosis of 60 % lies in the plane of the ostium, where no section is measured."""
 
     def radius(s):
         return 1.6 - 0.96 * np.exp(-(((s - throat) / 1.5) ** 2))
@@ -133,7 +135,7 @@ def test_a_lesion_on_the_inlet_itself(said, throat, told):
 
 @pytest.mark.parametrize("named", [False, True])
 def test_an_inlet_that_only_its_width_names(said, named):
-    """The ostium is narrowed, so the outlet is the larger end; the user's own word is not doubted."""
+    """The ostium is narrowed, so the outlet is the larger end. If the user names the inlet, there is no warning."""
 
     def radius(s):
         return 1.8 - 0.02 * s - 0.7 * np.exp(-((s / 3) ** 2))
@@ -147,7 +149,8 @@ def test_an_inlet_that_only_its_width_names(said, named):
 
 @pytest.mark.parametrize("throat, told", [(0.0, True), (9.0, False)])
 def test_an_inlet_larger_only_because_the_other_end_is_narrowed(said, throat, told):
-    """The vessel tapers so little that nothing else tells; a lesion away from the end is no doubt of the inlet."""
+    """The vessel hardly tapers, so only the narrowed end gives a hint. A lesion away from the end does not put the
+    inlet in doubt."""
 
     def radius(s):
         return 1.6 - 0.006 * s - 0.5 * np.exp(-(((s - throat) / 3) ** 2))
@@ -162,7 +165,8 @@ def test_an_inlet_larger_only_because_the_other_end_is_narrowed(said, throat, to
     [(1.7, 0.012, 30, True), (1.7, 0.008, 30, False), (1.7, 0.012, 15, False), (1.2, 0.012, 30, False)],
 )
 def test_a_taper_steeper_than_coronaries_have(said, radius, taper, length, told):
-    """Even diffuse disease cannot be told from it; a short stretch says too little, and a small branch tapers more."""
+    """A steep taper may be diffuse disease, so there is a warning. There is none for a short stretch, which says too
+    little, or a small branch, which tapers more."""
     points, triangles = surfaces.tube(surfaces.straight, lambda s: radius * (1 - taper * s), length, 0.25)
     errors, _ = said(points, triangles)
     assert ("warning: reference tapers steeply" in errors) == told
@@ -170,7 +174,7 @@ def test_a_taper_steeper_than_coronaries_have(said, radius, taper, length, told)
 
 @pytest.mark.parametrize("inlet, told", [("0,0,0", False), ("40,0,0", True)])
 def test_an_inlet_that_was_named_at_a_far_narrower_end(said, inlet, told):
-    """A slip of the user's; the user's word still decides."""
+    """The user probably named the wrong end. There is a warning, but the user's choice is kept."""
     points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.9 - 0.015 * s, 40, 0.25)
     errors, rows = said(points, triangles, "--inlet", inlet)
     assert ("warning: inlet narrower than an outlet" in errors) == told
@@ -179,7 +183,8 @@ def test_an_inlet_that_was_named_at_a_far_narrower_end(said, inlet, told):
 
 @pytest.mark.parametrize("apart, told", [(3.2, True), (12.0, False)])
 def test_another_vessel_fused_along_the_lumen(said, apart, told):
-    """As a vein that touches the artery over 10 mm. Its lumen hid a lesion without a word. A branch leaves at once."""
+    """A vein touches the artery over some length. Its lumen may hide a lesion, so there is a warning. There is none for
+    a side branch, which leaves at once."""
     artery = ((0, 0, 0), (40, 0, 0), 1.6, 1.4)
     vein = [((14, 3.2, 0), (28, 3.2, 0), 1.9, 1.9)] if told else [((14, 0, 0), (28, apart, 0), 1.2, 1.1)]
     errors, _ = said(*surfaces.tree([artery, *vein], inner=(1,) if told else ()), "--inlet", "0,0,0")
@@ -188,14 +193,14 @@ def test_another_vessel_fused_along_the_lumen(said, apart, told):
 
 @pytest.mark.parametrize("lean, told", [(-14, True), (14, False)])
 def test_a_vessel_that_turns_back_into_a_graft(said, lean, told):
-    """The longest way from the inlet goes up the graft, with false sections where it turns."""
+    """The longest path from the inlet turns back into the graft. The sections where it turns are false."""
     artery, graft = ((0, 0, 0), (34, 0, 0), 1.6, 1.3), ((22, 0, 0), (22 + lean, 16, 0), 1.3, 1.3)
     errors, _ = said(*surfaces.tree([artery, graft]), "--inlet", "0,0,0")
     assert ("warning: a vessel turns back at a branch" in errors) == told
 
 
 def test_a_closed_end_among_open_ones_is_said(lumen, tmp_path):
-    """A branch that is blind, as behind an occlusion, would get flow as an outlet."""
+    """A branch that ends blindly, as behind an occlusion, must not become an outlet with flow unnoticed."""
     main, blind = ((0, 0, 0), (24, 0, 0), 1.5, 1.3), ((12, 0, 0), (16, 8, 0), 0.9, 0.9)
     surface = surfaces.write(tmp_path / "blind.vtp", *surfaces.tree([main, blind], inner=(1,)))
     done = lumen(surface, tmp_path / "out")

@@ -1,4 +1,4 @@
-"""What deployment.json says of stents and of the axis, against what was deployed."""
+"""The values in deployment.json of stents and of the axis, compared with what was deployed."""
 
 import json
 import subprocess
@@ -30,7 +30,7 @@ def deploy(binary, tmp_path_factory):
 
 
 def keep_steps(*kept):
-    """Leaves only those steps of the procedure."""
+    """change(document): keeps only these steps of the procedure."""
 
     def change(document):
         document["procedure"] = [document["procedure"][k] for k in kept]
@@ -76,7 +76,8 @@ def test_a_larger_balloon_in_the_stent_counts(deploy):
 
 
 def test_a_straight_vessel_is_not_straightened(deploy):
-    """The read-out has 0.6 degrees of noise there: the recoiled rings of a coarse mesh lie not quite on one axis."""
+    """The read-out has 0.6 degrees of noise here, since the recoiled rings of a coarse mesh do not lie exactly on one
+    axis."""
     assert abs(deploy(scenes.Tube(stenosis=0.6, edge=0.6))["straightening_deg"]) < 1
 
 
@@ -85,7 +86,7 @@ def test_a_stent_straightens_a_bend(deploy):
 
 
 def test_without_ties_contact_alone_holds_the_stent(deploy):
-    """Ties of no stiffness are none; a dead load in their place would press on the wall for ever."""
+    """With a tie stiffness of 0 there are no ties. A constant force in their place would press on the wall for ever."""
     tube = scenes.Tube(edge=0.8)
     tied, free = (deploy(tube, numerics=COARSE_NUMERICS | {"tie_stiffness_mpa_per_mm": k}) for k in (60, 0))
     assert max(s["residual"] for s in free["stages"]) <= 3e-3
@@ -94,7 +95,7 @@ def test_without_ties_contact_alone_holds_the_stent(deploy):
 
 
 def test_textbook_integration_ends_at_rest(deploy):
-    """It stops by velocity, not in balance."""
+    """The textbook scheme stops when velocities are small, not when forces balance."""
     tube = scenes.Tube(edge=1.2, lesion_length=6)
     textbook = COARSE_NUMERICS | {
         "device_edge_mm": 1.0,

@@ -1,4 +1,4 @@
-"""Scenes that ask for what cannot be are refused before any stage, with a message that names the place."""
+"""Scenes that ask for something impossible are refused before any stage, with a message that names the place."""
 
 import json
 import subprocess
@@ -48,7 +48,7 @@ def test_a_segment_past_the_branch(binary, scene):
 
 
 def test_a_pressure_beyond_the_chart_that_the_chart_may_still_say(binary, scene):
-    """Rated 20 bar, chart to 26: 25 bar are within both ceilings, 27 are not."""
+    """The balloon is rated 20 bar and its chart ends at 26. 25 bar are within both limits, 27 are not."""
     device(scene[0], 2)["pressure_bar"] = 27
     assert "end of the balloon's chart" in refusal(binary, scene)
     device(scene[0], 2)["pressure_bar"] = 25
@@ -64,7 +64,8 @@ def test_stents_and_balloons_in_each_others_steps(binary, scene, step, action):
 
 
 def test_a_balloon_too_wide_for_the_stent(binary, scene):
-    """Refused inside the stent, and where it only reaches into it; beside it the vessel alone is dilated."""
+    """The balloon is refused inside the stent, and where it only reaches into the stent. Beside the stent it dilates
+    the vessel alone, which is allowed."""
     document = scene[0]
     document["devices"]["stent"]["maximal_diameter_mm"] = 3.2  # the postdilatation's: 3.26 mm at 16 bar
     assert "beyond its maximal diameter" in refusal(binary, scene)
@@ -90,7 +91,7 @@ def test_two_steps_of_one_name(binary, scene):
 
 
 def test_a_stent_named_like_a_balloons_file(binary, scene):
-    """A device's kind is not told by its name: each shape is written under its own kind."""
+    """The name of a device does not decide its kind: each shape is written under its own kind."""
     document, path = scene
     document["devices"]["predilatation_balloon"] = document["devices"].pop("stent")
     device(document, 1)["device"] = "predilatation_balloon"
@@ -104,7 +105,7 @@ def test_a_stent_named_like_a_balloons_file(binary, scene):
 
 
 def test_results_that_would_replace_the_scene_s_own_files(binary, scene):
-    """The generated scene's lumen is lumen.vtp beside it."""
+    """The lumen of the generated scene is the file lumen.vtp in the same folder."""
     document, path = scene
     kept = path.parent / document["lumen"]
     before = kept.read_bytes()
@@ -159,7 +160,7 @@ def test_frames_of_steps_need_a_folder(binary, scene):
 
 @pytest.mark.parametrize("number", ["0", "-3", "1.5", "99999999999"])
 def test_a_number_of_steps_that_is_none(binary, scene, number):
-    """Told in a line that can be read: CLI11's check for positive numbers writes out the largest double."""
+    """The message is short. CLI11's own check for positive numbers would write out the largest double."""
     out = scene[1].parent / "out"
     command = [str(binary("vci")), "deploy", str(scene[1]), "--out", str(out), "--frames", str(out / "f")]
     result = subprocess.run([*command, f"--frames-every={number}"], text=True, capture_output=True, timeout=100)
@@ -176,7 +177,8 @@ def catalogue_limits(repo_root, kind):
 
 @pytest.mark.parametrize("kind, least_keys", [("balloon", 4), ("stent", 9)])
 def test_the_engine_takes_what_the_catalogue_takes(binary, scene, repo_root, kind, least_keys):
-    """The limits of each number in a device family are within the engine's, so no plan is refused after the anatomy."""
+    """The limits of each number of a device family are within the engine's limits. So no plan is refused as late as
+    after the anatomy."""
     document, _ = scene
     entry = next(entry for entry in document["devices"].values() if entry["kind"] == kind)
     limits = catalogue_limits(repo_root, kind)

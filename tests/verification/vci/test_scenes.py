@@ -1,4 +1,4 @@
-"""Small scenes through the program `vci deploy`: what must hold, read from the files that it writes."""
+"""Properties that every deployment must have, checked on the files that `vci deploy` writes for small scenes."""
 
 import csv
 import dataclasses
@@ -18,7 +18,7 @@ FORCES = ("pressure_n", "contact_n", "foundation_n", "residual_n")
 
 @dataclasses.dataclass(frozen=True)
 class PlacedTube(scenes.Tube):
-    """A narrowed tube, mirrored at y = 0 or carried elsewhere: moved is (rotation (3, 3), shift (3,) in mm)."""
+    """A narrowed tube, mirrored at y = 0 or moved; `moved` is (rotation (3, 3), shift (3,) in mm)."""
 
     lesion_length: float = 8.0
     edge: float = 0.6
@@ -148,7 +148,7 @@ def test_predilatation_alone_ends_between_initial_and_inflated(deploy):
 
 
 def test_a_moved_or_mirrored_scene_gives_the_same_areas(deploy):
-    """The device grids turn with the frame chosen, so that the same to the bit is not to be had."""
+    """The device grids turn with the frame, so the results cannot be equal to the bit."""
     turn = vtk.vtkTransform()
     turn.RotateWXYZ(70, 1, 2, -0.5)
     rotation = np.array([[turn.GetMatrix().GetElement(i, j) for j in range(3)] for i in range(3)])
@@ -159,7 +159,8 @@ def test_a_moved_or_mirrored_scene_gives_the_same_areas(deploy):
 
 
 def test_a_calcified_sector_opens_less(deploy):
-    """Stretch of the wall over a calcified arc of 90 degrees against the arc opposite and against plaque there."""
+    """The wall over a calcified arc of 90 degrees stretches less than the opposite arc, and less than with plaque in
+    place of the calcium."""
     soft, hard = (deploy(calcium_deg=c) for c in (0, 90))
     tube = PlacedTube()
     x, y, z = tube.mesh()[0].T
@@ -173,7 +174,7 @@ def test_a_calcified_sector_opens_less(deploy):
 
 @dataclasses.dataclass(frozen=True)
 class TwoPlaques(PlacedTube):
-    """Plaque of one type on one side of the tube, of another on the other."""
+    """A tube with plaque of one type on one side and of another type on the other side."""
 
     types: tuple = (1, 2)
 
@@ -183,7 +184,8 @@ class TwoPlaques(PlacedTube):
 
 
 def test_plaque_is_what_its_constants_say_not_its_number(binary, tmp_path):
-    """Two kinds of plaque that exchange numbers and constants are the same plaque, where they meet too."""
+    """If two kinds of plaque exchange both their numbers and their constants, the result is the same to the bit, also
+    where they meet."""
     soft, hard = ({"youngs_modulus_mpa": e, "yield_strain": y} for e, y in ((0.5, 0.1), (2.0, 0.12)))
     bits = []
     for k, (first, second) in enumerate([(hard, soft), (soft, hard)]):
@@ -219,7 +221,7 @@ def test_areas_converge_with_the_mesh(deploy):
 
 
 def test_areas_do_not_depend_on_the_first_step(deploy):
-    """A thousand times longer at the start of each stage."""
+    """The first step of each stage is a thousand times longer."""
     long = {"initial_step_ms": 300, "maximal_step_ms": 300}
     usual, long_start = (areas(deploy(stenosis=0.6, eccentricity=0.8, numerics=n)) for n in (None, long))
     assert long_start.mean() == pytest.approx(usual.mean(), rel=0.01)
@@ -228,10 +230,10 @@ def test_areas_do_not_depend_on_the_first_step(deploy):
 
 @pytest.mark.slow
 def test_areas_converge_with_the_step(deploy):
-    """Against steps of 0.03 mm: the error falls in proportion to the step, below 1 % at the default of 0.12.
+    """Compared with steps of 0.03 mm, the error falls in proportion to the step; it is below 1 % at the default, 0.12.
 
-    A third as much again, 0.16, is as good. Above that the areas scatter: the mean by 0.4 to 0.8 % at 0.17 to 0.2, and
-    by up to 2.5 % beyond 0.2, two fifths of an edge.
+    Steps of 0.16 mm are as good. With longer steps the areas scatter: the mean by 0.4 to 0.8 % at 0.17 to 0.2 mm, and
+    by up to 2.5 % beyond 0.2 mm, which is two fifths of an edge.
     """
     area = {
         step: areas(deploy(stenosis=0.6, eccentricity=0.8, numerics={"displacement_per_step_mm": step}))
@@ -251,7 +253,8 @@ def test_same_input_same_bits(deploy):
 
 @pytest.mark.parametrize("column, edge", [("2.25", 0.58), ("3.00", 0.45), ("4.00", 0.41)])
 def test_balloon_follows_a_makers_chart(binary, shared_data, tmp_path, column, edge):
-    """Free inflation from 2 to 18 bar within 0.5 % of a published chart, 12 to 31 vertices round the balloon."""
+    """A free inflation from 2 to 18 bar follows a published chart within 0.5 %, with 12 to 31 vertices round the
+    balloon."""
     file = shared_data / "balloon_compliance.csv"
     if not file.is_file():
         pytest.skip(f"{file.name} absent")

@@ -1,4 +1,4 @@
-"""What a run warns of, what it refuses at its end, and what it says of how the stages went."""
+"""Warnings of a run, refusals at its end, and the records of its stages."""
 
 import json
 import subprocess
@@ -36,7 +36,7 @@ def summary(out, result):
 
 
 def small_stent(*steps, post=1.8):
-    """A stent of 1.8 mm, and a postdilatation of `post` mm; only those steps."""
+    """change(document): a stent of 1.8 mm and a postdilatation of `post` mm, with only these steps of the procedure."""
 
     def change(document):
         devices = document["devices"]
@@ -49,7 +49,7 @@ def small_stent(*steps, post=1.8):
 
 @pytest.mark.parametrize("steps", [(1,), (1, 2)])
 def test_a_stent_that_touches_nothing_is_refused(deploy, steps):
-    """Alone, and with a postdilatation that leaves it free; the two diameters are named."""
+    """The stent is alone, or followed by a postdilatation that leaves it free. The message names both diameters."""
     out, result = deploy(HEALTHY, small_stent(*steps))
     assert result.returncode == 3 and "touches nothing" in result.stderr
     words = next(line for line in result.stderr.splitlines() if "the stent's diameter" in line).split()
@@ -66,7 +66,7 @@ def test_a_stent_that_a_later_balloon_brings_to_the_wall_is_none_of_them(deploy)
 
 
 def test_kissing_beyond_a_stents_maximal_diameter_is_warned_of(deploy):
-    """Each balloon alone is within the limit; side by side they open an oval, whose perimeter counts."""
+    """Each balloon alone is within the limit. Side by side they open an oval, whose perimeter decides."""
 
     def change(document):
         document["devices"]["stent"]["maximal_diameter_mm"] = 3.3
@@ -79,7 +79,7 @@ def test_kissing_beyond_a_stents_maximal_diameter_is_warned_of(deploy):
 
 
 def test_a_pressure_above_rated_burst_is_warned_of(deploy):
-    """Of the three balloons, rated 20 bar, only the last passes that; the baseline says it, too."""
+    """Of the three balloons, all rated 20 bar, only the last is inflated beyond that. The baseline warns too."""
     for command in ("deploy", "radius-correct"):
         warnings = summary(*deploy(scenes.Tube(edge=0.6), command=command, pressures=(10, 11, 22)))["warnings"]
         assert len(warnings) == 1 and warnings[0].startswith("postdilatation: post is inflated to 22 bar")
@@ -101,7 +101,8 @@ def test_a_stages_record_says_where_care_began(deploy):
 
 
 def test_a_wall_that_nothing_loads_has_no_residual(deploy):
-    """A balloon that does not reach the wall leaves it as it was: what the files hold is rounding, reported as 0."""
+    """A balloon that does not reach the wall leaves it as it was. The forces in the files are rounding errors, and the
+    residual is reported as 0."""
 
     def change(document):
         document["devices"]["pre"] = scenes.balloon(1.8, 10)
@@ -114,7 +115,8 @@ def test_a_wall_that_nothing_loads_has_no_residual(deploy):
 
 
 def test_the_stents_own_area_and_the_lumens_within_it(deploy):
-    """Both from the files: the stent's rings, and the lumen between the stent's ends; the lumen rests on the stent."""
+    """Both areas are computed again from the files: from the stent's rings, and from the lumen between the stent's
+    ends. They nearly agree, since the lumen rests on the stent."""
     out, result = deploy(scenes.Tube(stenosis=0.6, edge=0.5))
     stent = summary(out, result)["stents"][0]
     points = vtk_to_numpy(vtp.read(out / "devices" / "stent1.vtp", "").GetPoints().GetData())
@@ -131,7 +133,8 @@ def test_the_stents_own_area_and_the_lumens_within_it(deploy):
 
 
 def test_a_stent_that_stands_off_the_wall_is_warned_of(deploy):
-    """1.8 mm in a narrowing of 1.5 mm within a vessel of 3.0 mm: it bears there, and hangs free beside it."""
+    """A stent of 1.8 mm in a narrowing of 1.5 mm of a vessel of 3.0 mm touches the narrowing and hangs free beside
+    it."""
     out, result = deploy(scenes.Tube(stenosis=0.5, edge=0.6), small_stent(1))
     found, words = summary(out, result), "malapposition: a stent stands"
     assert found["maximal_malapposition_mm"] > 0.4

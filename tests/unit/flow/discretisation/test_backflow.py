@@ -1,4 +1,5 @@
-"""Backflow through an outlet brings no energy in: with the coefficient 1/2 the term takes all that the flow carries."""
+"""Backflow through an outlet brings no energy in. With the coefficient 1/2 the backflow term takes all the kinetic
+energy that the flow carries in."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The matrix between the free dofs is the derivative of the residual, entry by entry, at every filling."""
+"""The matrix between the free dofs is the derivative of the residual, entry by entry, each time it is filled."""
 
 import json
 
@@ -65,7 +65,7 @@ def _apart(one, other):
 def test_it_is_the_whole_tangent_between_the_free_dofs(problem, eps):
     problem.forms.artificial_viscosity.value = eps
     built, values = tangent.FreeMatrix(problem.space, problem.forms), problem.state.x.array
-    for factor in (1.0, -0.5):  # filled again, at another state
+    for factor in (1.0, -0.5):  # the second time the matrix is filled again, at another state
         values *= factor
         built.assemble(problem.forms.tangent)
         assert _apart(_csr(built.matrix), _free(problem, whole_tangent.compile_tangent(problem.forms))) < 1e-14
@@ -73,7 +73,7 @@ def test_it_is_the_whole_tangent_between_the_free_dofs(problem, eps):
 
 
 def test_the_artificial_viscosity_changes_it(problem):
-    """What the test above compares at eps > 0 is not the part without."""
+    """The tangent depends on eps. Otherwise the test above would not check the artificial viscosity."""
     plain = _free(problem, whole_tangent.compile_tangent(problem.forms))
     problem.forms.artificial_viscosity.value = 0.3
     assert _apart(_free(problem, whole_tangent.compile_tangent(problem.forms)), plain) > 1e-6
@@ -81,7 +81,8 @@ def test_the_artificial_viscosity_changes_it(problem):
 
 @pytest.mark.parametrize("eps", [0.0, 0.3])
 def test_picards_matrix_convects_by_the_state_alone(problem, eps):
-    """By a form of its own: rho (w.grad u + div w u / 2, v) of the state w and the rest of the equations."""
+    """The matrix is compared with a form written out here: rho (w.grad u + div w u / 2, v) with the state w, and the
+    other terms."""
     u, _ = ufl.split(problem.state)
     problem.forms.artificial_viscosity.value = eps
     W, mesh = problem.space.W, problem.space.mesh
@@ -146,7 +147,7 @@ def test_products_with_a_profile_are_those_of_the_whole_matrix(problem):
 
 
 def test_without_artificial_viscosity_the_residual_is_that_of_none(problem):
-    """The forms without it, which are used where eps is 0, are those with it at a vanishing eps."""
+    """With eps = 0 forms without the artificial viscosity are used. They must equal the forms with a vanishing eps."""
     found = []
     for factor in (0.0, 1e-15, 0.3):
         problem.forms.artificial_viscosity.value = factor

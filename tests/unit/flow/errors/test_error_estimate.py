@@ -22,8 +22,8 @@ def _solved(cells, sampler, artificial=0.0):
 
 @pytest.fixture
 def goal(monkeypatch):
-    """goal(values, artificial): the parts of the dual-weighted residual and that of the artificial viscosity from now
-    on, twice as large at a second probe."""
+    """goal(*values, artificial) sets the parts of the dual-weighted residual and the part of the artificial viscosity.
+    At a second probe all are twice as large."""
 
     def gives(*values, artificial=0.0):
         parts = np.outer([1.0, 2.0], [*values, artificial])
@@ -36,7 +36,7 @@ def goal(monkeypatch):
 
 
 def _of(solved, coarser=None):
-    """The estimate; at the second probe FFR is lower by .1 on each mesh."""
+    """The error estimate at two probes. At the second one FFR is lower by .1 on each mesh."""
     return error_estimate.estimate_error(solved, None, None, lambda sampler: [sampler, sampler - 0.1], coarser)
 
 
@@ -64,12 +64,12 @@ def test_parts_that_cancel_are_not_taken_for_an_exact_answer(goal):
     estimate = _of(_solved(8000, 0.75))
     assert estimate["goal_signed"] == pytest.approx(-0.001) and estimate["goal_sizes"] == pytest.approx(0.007)
     assert estimate["ffr"] == pytest.approx(0.001 + error_estimate.PART_UNCERTAINTY * 0.007)
-    goal(0.003, 0.004)  # of one sign: their sum
+    goal(0.003, 0.004)  # the two have one sign, so the estimate is their sum
     assert _of(_solved(8000, 0.75))["ffr"] == pytest.approx(0.007 * (1 + error_estimate.PART_UNCERTAINTY))
 
 
 def test_stretches_are_a_diameter_long():
-    """Along each branch by its own diameter, and none of two branches."""
+    """Stretches follow the diameter of their own branch. No stretch belongs to two branches."""
     wide, narrow = (
         tubes.centre_branch(10.0, lambda s, r=r: r, name=name) for name, r in (("main", 1.25), ("side", 0.5))
     )
@@ -137,7 +137,7 @@ def test_recovery_returns_a_cubic_from_its_nodal_values():
     pressure = patches.recover(2, ten[:, :4], quadratic(nodes), targets, own, every)
     assert np.allclose(velocity, cubic(targets), atol=1e-6)
     assert np.allclose(pressure, quadratic(targets), atol=1e-6)
-    assert np.abs(cubic(nodes)[ten].mean(axis=1) - cubic(targets)).max() > 0.01  # the mean of the nodes is not enough
+    assert np.abs(cubic(nodes)[ten].mean(axis=1) - cubic(targets)).max() > 0.01  # a mean over the nodes would not do
 
 
 def test_recovery_does_not_depend_on_how_many_patches_are_fitted_together(monkeypatch):
@@ -163,7 +163,7 @@ def test_recovery_on_a_lattice_does_not_amplify_rounded_coordinates():
     corners = np.array([[x, 0.5 * y, 0.3 * z] for x in range(6) for y in range(2) for z in range(2)], float)
     ways = [[0, 4, 6, 7], [0, 4, 5, 7], [0, 2, 6, 7], [0, 2, 3, 7], [0, 1, 5, 7], [0, 1, 3, 7]]  # round a diagonal
     nodes, ten = _quadratic(corners, np.concatenate([4 * x + np.array(ways) for x in range(5)]))
-    values = np.sin(2.0 * nodes.sum(axis=1))[:, None]  # on three levels of y and z, too few for a cubic
+    values = np.sin(2.0 * nodes.sum(axis=1))[:, None]  # nodes have only three values of y and z, too few for a cubic
 
     def recovered(places):
         targets = places[ten].mean(axis=1)

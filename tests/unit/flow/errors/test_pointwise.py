@@ -1,4 +1,4 @@
-"""The error estimate where no mesh is chosen for it: error fields, outlets, pull-back."""
+"""The error estimate at places for which the mesh was not chosen: error fields, outlets, pull-back."""
 
 import json
 import types
@@ -88,7 +88,7 @@ def case(request):
 
 
 def test_the_fields_give_the_parts_of_the_dual_solutions(case):
-    """At each probe, by the transposed of all that dual_solutions does."""
+    """The fields come from the transposed problem. At each probe they give the same parts as dual_solutions."""
     wanted, (found, field) = dual_solutions.error_parts(case, case.document, case.tree), error_field.solve_error_field(
         case, case.document, case.tree
     )
@@ -98,7 +98,8 @@ def test_the_fields_give_the_parts_of_the_dual_solutions(case):
 
 
 def test_parts_are_the_derivative_of_ffr(case):
-    """Of a field that is any small change of the flow: FFR changes by the parts, at outlets and round points."""
+    """The field is a random small change of the flow. `ffr_changes` must give the derivative of FFR along it, at
+    outlets and at points."""
     random, space = np.random.default_rng(5), case.space
     change = np.zeros(space.dofs)
     change[space.free_dofs] = random.standard_normal(len(space.free_dofs)) * np.where(
@@ -121,7 +122,8 @@ def test_parts_are_the_derivative_of_ffr(case):
 
 
 def test_loads_say_what_recovery_makes_of_values(case):
-    """The sum of loads on the recovered values of each group of targets is the sparse matrices' product."""
+    """For each group of targets: the sum of load times recovered value equals the product of the sparse matrix with the
+    values."""
     nodes, cells = case.space.nodes()
     random, patches = np.random.default_rng(6), recovery.Patches(nodes, cells)
     values, targets = random.standard_normal((len(nodes), 1)), nodes[cells].mean(axis=1)
@@ -137,7 +139,8 @@ def test_loads_say_what_recovery_makes_of_values(case):
 
 
 def test_interpolation_is_told_apart_from_the_values(fork):
-    """A quadratic pressure, known at the corners: read linearly it is off by what interpolation_pa says."""
+    """A quadratic pressure is known at the corners and read linearly. The error of this is what interpolation_error_pa
+    gives."""
 
     def quadratic(points):
         return 1e6 * (1e3 * points[:, 0] - 6.0) ** 2
@@ -153,13 +156,13 @@ def test_interpolation_is_told_apart_from_the_values(fork):
 
 
 def test_the_artificial_viscositys_part_is_eps_times_the_derivative_of_ffr(fork):
-    """By central differences of the flows beside it, in places where it counts."""
+    """The derivative follows from central differences of flows at two eps beside it. It is not negligible here."""
     problem, document, tree = fork.problem, fork.document, fork.tree
     values, inflow, found = problem.state.x.array.copy(), problem.inflow, {}
     for eps in (0.048, 0.052, 0.05):
         problem.forms.artificial_viscosity.value = eps
         assert newton.newton(problem, 1e-12, 12).converged
-        problem.mark_outdated()  # the tangent of the flow itself, not of one near by
+        problem.mark_outdated()  # forces a new tangent, at this flow itself
         along, field = error_field.solve_error_field(fork, document, tree)
         points = [tree.main.point(one["s_mm"]) for one in document["probes"]]
         radii = np.array([tree.main.radius(one["s_mm"]) for one in document["probes"]])
@@ -203,7 +206,8 @@ def test_each_part_of_an_estimate_counts(fork):
 
 
 def test_an_outlet_behind_an_extension_has_the_error_of_its_vessels_end(fork):
-    """As the last point of the pull-back of its branch, whatever the order of the outlets; the others keep theirs."""
+    """It is the error at the last point of the branch's pull-back, whatever the order of the outlets. Other outlets
+    keep their own error."""
     _, field = error_field.solve_error_field(fork, fork.document, fork.tree)
     plain, _ = _estimated(fork, field=field)
     last = [2 + 32, 2 + 33 + 12]  # of the branches' points
@@ -235,6 +239,6 @@ def test_the_files_have_the_errors(fork, tmp_path, model):
     assert table["ffr_error_estimate"].to_numpy() == pytest.approx(wanted[2:], rel=1e-3, abs=1e-3 * wanted.max())
     assert answer["pullback_error_estimate"]["largest"] == pytest.approx(table["ffr_error_estimate"].max())
     main = table[table["branch"] == "main"]
-    for probe in answer["probes"]:  # plus what is read at a point
+    for probe in answer["probes"]:  # plus the interpolation error at a point
         near = np.interp(probe["s_mm"], main["s_mm"], main["ffr_error_estimate"])
         assert probe["error_estimate"] <= near * 1.01 and near <= probe["error_estimate"] + 5e-4

@@ -1,4 +1,4 @@
-"""What of a centreline is refused where it is read, and where it is not the lumen's."""
+"""Centrelines that are refused: bad files, and centrelines of another lumen."""
 
 import dataclasses
 import json
@@ -67,7 +67,7 @@ def test_descending_s_and_branches_of_one_name_are_refused(tmp_path):
 
 
 def test_a_line_that_covers_part_of_the_lumen_is_refused(tmp_path, capsys):
-    """By `flow mesh`, and by `flow rank`, whose model goes by the centreline; within a radius of the cap it may end."""
+    """`flow mesh` and `flow rank` refuse it. A line that ends within a radius of the cap is accepted."""
     tube = tubes.tube(LENGTH, lambda s: RADIUS, 0.6)
     for length, refused in ((LENGTH, False), (LENGTH - RADIUS, False), (9.75, True)):
         tree = centreline.Tree([tubes.centre_branch(length, lambda s: RADIUS)])

@@ -1,4 +1,4 @@
-"""A place of one lumen found in another state of it, by the centrelines."""
+"""Places of one lumen are mapped to another state of the lumen by the centrelines."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def tree(stretch=1.0, radius=1.5, turn=np.eye(3), shift=0.0):
 
 
 def around(one, far=0.9):
-    """Points (n, 3) off the samples of a tree's axes, across them, `far` of the radius away."""
+    """Points (n, 3) beside the samples of a tree's axes, at the share `far` of the radius."""
     random = np.random.default_rng(5)
     points = np.concatenate([branch.points[40:] for branch in one])
     tangents = np.concatenate([np.gradient(branch.points[40:], axis=0) for branch in one])

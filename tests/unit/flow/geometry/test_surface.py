@@ -29,7 +29,8 @@ def _wall(tube):
 
 
 def test_a_centreline_of_another_state_is_refused():
-    """A lesion, and the same opened; a tube moved aside. A side branch's line may start inside its parent."""
+    """Refused are the line of a lesion for the opened lumen, and that of a tube moved aside. A side branch's line may
+    start inside its parent."""
     closed, opened = tubes.lesion(1.5, 0.5, 8, 6), tubes.lesion(1.5, 0.1, 8, 6)
     wall = {radius: _wall(tubes.tube(16, radius, 0.4)) for radius in (closed, opened)}
     tree = {radius: centreline.Tree([tubes.centre_branch(16, radius)]) for radius in (closed, opened)}

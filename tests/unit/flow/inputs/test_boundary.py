@@ -1,4 +1,4 @@
-"""Compares boundary values with the method's formulas, worked out by hand."""
+"""Compares boundary values with the formulas of the method, evaluated by hand."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""The flow into the tree: the published law, a territory's share, a measured one; and what else it may be."""
+"""The flow into the tree: by the published law, by a territory's share, or measured; and other plausible flows."""
 
 import pytest
 

@@ -15,7 +15,7 @@ INFLOW, EPS = 3e-6, 0.002
 
 
 def polynomials(points):
-    """Velocity (n, 3) and pressure (n,) at points (n, 3) in m: of degree two, and of degree one as in each cell."""
+    """Velocity (n, 3), of degree two, and pressure (n,), of degree one, at points (n, 3) in m."""
     x, y, z = points.T * 1e3
     return np.stack([1 + x * y, z**2 - y, x * z + 2 * y**2], axis=1), 100 + x - 2 * y + 3 * z
 

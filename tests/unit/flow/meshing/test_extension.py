@@ -15,7 +15,8 @@ from flow.geometry import centreline, surface
 from flow.meshing import extension
 from flow.reduced import extended
 
-NARROWED = tubes.lesion(1.5, 0.5, 8, 6)  # 0.95 of the radius again at 10.4 mm and before 5.6 mm
+# the radius is at least 0.95 of the healthy one before 5.6 mm and behind 10.4 mm
+NARROWED = tubes.lesion(1.5, 0.5, 8, 6)
 
 
 def _needed(length=14.0, radius=NARROWED, **given):
@@ -29,7 +30,8 @@ def test_an_end_too_close_to_a_narrowing_is_extended_to_its_clearance():
     assert [(one.region_id, one.branch) for one in found] == [(1, "main"), (2, "main")]
     inlet, outlet = found
     assert outlet.distance_mm == pytest.approx(3.6, abs=0.3) and inlet.distance_mm == pytest.approx(5.6, abs=0.3)
-    assert outlet.length_mm + outlet.distance_mm == pytest.approx(6.0, rel=0.01)  # half of it: half the radius is left
+    # half of the clearance, since half the radius is left
+    assert outlet.length_mm + outlet.distance_mm == pytest.approx(6.0, rel=0.01)
     assert inlet.length_mm + inlet.distance_mm == pytest.approx(7.5, rel=0.01)
     assert outlet.direction == pytest.approx([1, 0, 0]) and inlet.direction == pytest.approx([-1, 0, 0])
     longer = extension.extend_surface(tube, found)
@@ -57,7 +59,7 @@ def test_room_behind_a_narrowing_grows_with_its_jet():
         found = _needed(14.0, tubes.lesion(1.5, reduction, 8, 6), inlet_clearance_diameters=0)[2]
         return [one.length_mm + one.distance_mm for one in found]
 
-    assert room(0.41) == []  # it asks for less than there is
+    assert room(0.41) == []  # the wanted distance is less than the actual one
     (milder,), (strong,), (stronger,) = (room(reduction) for reduction in (0.55, 0.6, 0.8))
     assert strong == pytest.approx(24.0, rel=0.01) and stronger == pytest.approx(24.0, rel=0.01)
     assert milder == pytest.approx(18.0, rel=0.02)
@@ -138,7 +140,8 @@ def test_an_extension_of_another_lumen_is_refused(change):
 
 
 def test_a_coarse_mesh_of_another_lumen_is_refused(tmp_path, mesh):
-    """It may be the one that answers. Known is one of the same report, or of a report of its own of the same lumen."""
+    """The coarse mesh may give the answer. It is accepted if the same report lists it, or if its own report is of the
+    same lumen."""
     path, coarse, own = tmp_path / "mesh.json", tmp_path / "coarse.msh", tmp_path / "coarse.json"
     report = {"extensions": [], "cells": 9, "swept": {"cells": 9}, "made_from_sha256": "ab"}
 
@@ -160,7 +163,7 @@ def test_a_coarse_mesh_of_another_lumen_is_refused(tmp_path, mesh):
 
 
 def test_a_report_that_is_missing_is_refused_or_said(tmp_path, capsys):
-    """Where it was asked for by name; where none lies beside the mesh."""
+    """A missing report that the user names is refused. If no report lies beside the mesh, there is a warning."""
     radius = tubes.lesion(1.2, 0.3, 4.0, 4.0)
     tubes.write_case(tmp_path, tubes.tube(8.0, radius, 0.4), [tubes.centre_branch(8.0, radius)])
     document = tubes.boundary_document([tubes.centre_branch(8.0, radius)], [2e-6], [5e9], 7.0, 0.004)
@@ -209,4 +212,4 @@ def test_an_outlets_ffr_is_read_where_the_vessel_ended(tmp_path, model):
     (outlet,), table = answer["outlets"], pd.read_csv(tmp_path / "pullback.csv")
     assert outlet["ffr"] == pytest.approx(table["ffr"].iloc[-1], abs=1e-9) and table["s_mm"].iloc[-1] == 6.0
     drop = (outlet["ffr"] * 12000.0 - outlet["pressure_pa"]) / (12000.0 - outlet["pressure_pa"])
-    assert drop == pytest.approx(0.5, abs=0.03)  # of Poiseuille's flow, over the second half of 12 mm
+    assert drop == pytest.approx(0.5, abs=0.03)  # half of Poiseuille's drop occurs in the second half of the 12 mm

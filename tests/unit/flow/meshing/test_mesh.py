@@ -113,9 +113,11 @@ def test_refinement_reaches_its_target_on_the_surface():
 
 @pytest.mark.slow
 def test_the_same_surface_gives_the_same_mesh_everywhere(repo_root, tmp_path):
-    """The same bytes from another folder, for another user, in other memory, on another kind of processor."""
+    """The mesh has the same bytes in another folder, for another user, with other memory addresses, on another kind of
+    processor."""
     surface, branches = tubes.fork(length=12.0, at=5.0, side_length=5.0, edge_mm=0.5)
-    turn = Rotation.from_euler("xyz", [0.3, 0.5, 0.7]).as_matrix()  # along no axis every product is rounded
+    # turned, since along an axis some products are exact
+    turn = Rotation.from_euler("xyz", [0.3, 0.5, 0.7]).as_matrix()
     for part in (surface, *branches):
         part.points = np.round(part.points @ turn.T, 9)
     tubes.write_case(tmp_path / "lumen", surface, branches, {"side1": ("main", 5.0)})
@@ -157,8 +159,8 @@ def test_layers_that_nothing_swept_has_are_not_claimed(monkeypatch, capsys):
 
 
 def _with_a_fold(whole):
-    """A tube with an edge of its wall split near one end, and the edge from there to that end flipped: the two facets
-    beside it lie on each other, as radius correction left three on a real tree."""
+    """A tube with a fold: an edge of its wall is split near one end, and the edge from there to that end is flipped.
+    The two facets beside it then lie on each other. Radius correction left three such folds in a real tree."""
     edges, side = whole.edges()
     middles = whole.points[edges].mean(axis=1)
     k = int(np.argmin(np.linalg.norm(middles - [2.5, 1.5, 0.0], axis=1)))
@@ -196,7 +198,7 @@ def test_a_fold_of_the_surface_is_flattened():
 
 
 def test_a_sliver_is_split_where_it_can_be():
-    """A flat tetrahedron on two others, under a wall; all corners are on the surface."""
+    """A flat tetrahedron lies on two others, under a wall. All its corners are on the surface."""
     points = np.array([[0, 0, 0], [1, 0, 0.0], [0, 1, 0], [1, 1, 0], [0.5, 0.5, -1.0]], float)
     points[[0, 3], 2] -= 1e-3  # the square's diagonal 0-3 runs just below the other one, which is of the surface
     cells = tet10.orient_positive(points, np.array([[0, 3, 1, 2], [0, 3, 1, 4], [0, 3, 2, 4]]))
@@ -216,7 +218,7 @@ def test_a_sliver_is_refused_with_its_place(monkeypatch):
 
 
 def test_where_finer_facets_cannot_be_filled_those_given_are(monkeypatch):
-    """As where the smooth surface crosses itself in a cleft."""
+    """This happens where the smooth surface crosses itself in a cleft. Then the facets as given are filled."""
     tube, asked = tubes.tube(5, lambda s: 1.5, 0.8), []
 
     def fill(surface, sizes, real=volume_mesh.fill):
@@ -242,7 +244,8 @@ def test_a_bad_mesh_is_refused(monkeypatch, settings):
 
 
 def test_a_mesh_that_is_not_coarser_is_left_out_of_the_sequence(monkeypatch, tmp_path):
-    """As in a short vessel that was swept with three rings alone: its file is empty, and the next counts from there."""
+    """This happens in a short vessel of which only the mesh of three rings can be swept. The file of the mesh that is
+    left out is empty."""
     cells = {4: 300, 3: 400, 2: 200}
     monkeypatch.setattr(mesh, "build", lambda *given: (f"{given[4]} rings", {"cells": cells[given[4]]}))
     monkeypatch.setattr(mesh, "write", lambda built, path: path.write_text(built))
@@ -267,7 +270,8 @@ def test_the_mesh_of_a_reduced_model_is_the_coarsest(monkeypatch, tmp_path, othe
 
 
 def test_cells_on_the_same_side_of_a_face_overlap():
-    """Each of positive volume: the second's tip lies beyond the face, then before it."""
+    """Both cells have positive volume. First the second one's tip lies beyond the common face. Then it lies on the same
+    side as the first one's."""
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.2, 0.2, -1.0]])
     pair = tet10.orient_positive(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))
     assert tet10.count_overlapping(pair) == 0

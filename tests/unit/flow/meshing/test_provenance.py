@@ -11,7 +11,7 @@ LENGTH, RADIUS = 6.0, 1.2
 
 
 def test_another_surface_centreline_or_report_is_refused(tmp_path):
-    """A vessel moved aside; its line moved; a report that does not say what it is of."""
+    """Refused are a vessel moved aside, a centreline moved aside, and a report without the SHA-256 of its lumen."""
     line = tubes.centre_branch(LENGTH, lambda s: RADIUS)
     own, other = (tubes.tube(LENGTH, lambda s: RADIUS, 0.4) for _ in range(2))
     other.points[:, 1] += 1e-3

@@ -1,4 +1,4 @@
-"""FFR along the vessel: probes whose value depends on their place are named."""
+"""Warnings name probes whose FFR depends on their exact place."""
 
 import numpy as np
 import pandas as pd
@@ -40,7 +40,8 @@ def test_only_the_probes_own_branch_counts():
 
 
 def _displaced(shift_mm, kept):
-    """What is said of a probe so far from a tube's axis (radius 1.2 mm, 16 mm) and `kept` points of its 33."""
+    """The warnings of a probe at this distance from the axis of a tube (radius 1.2 mm, length 16 mm). `kept` of its 33
+    points lie in the mesh."""
     tree = centreline.Tree([tubes.centre_branch(16.0, lambda s: 1.2)])
     probe = _probe("distal", 12.0) | {"shift_mm": shift_mm}
     s = np.linspace(0, 16, 33)[:kept]

@@ -1,4 +1,4 @@
-"""The viscosity laws at their limits, and what is refused."""
+"""The viscosity laws at their limits, and values that are refused."""
 
 import numpy as np
 import pytest

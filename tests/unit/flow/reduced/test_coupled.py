@@ -45,7 +45,7 @@ def test_a_leak_takes_its_flow_through_the_wall():
 
 @pytest.fixture(scope="module")
 def fork(tmp_path_factory):
-    """(folder, document) of a fork, 30 % of whose flow goes to the side, with a lesion in the sections of main."""
+    """(folder, document) of a fork with a lesion in main. The side branch gets 30 % of the flow."""
     folder = tmp_path_factory.mktemp("fork")
     profile = tubes.lesion(1.5, 0.5, 4.5, 5.0)
     surface, _ = tubes.fork(edge_mm=0.6)
@@ -100,7 +100,7 @@ def test_a_reduced_model_answers_alone(tmp_path, monkeypatch, model):
     mesh = str(tmp_path / "mesh.msh")
     command_line.main(["mesh", str(tmp_path / "lumen.vtp"), *line, "--out", mesh, "--rings", "2"])
     command = ["solve", mesh, *line, "--boundary", str(tmp_path / "boundary.json"), "--out", str(tmp_path)]
-    if model == "network":  # at the price of the network: seconds less
+    if model == "network":  # the network alone saves seconds
         monkeypatch.setattr(axisymmetric.Tube, "solve", lambda *_: pytest.fail("the axisymmetric model was solved"))
     command_line.main(command + ["--model", model])
     answer = json.loads((tmp_path / "ffr.json").read_text())

@@ -60,7 +60,8 @@ def test_no_range_without_other_flows():
 
 
 def test_a_measured_inflow_passes_the_narrowed_vessel():
-    """At the planned resistances less passes; those found let it pass, and are lower."""
+    """With the planned resistances less than the measured flow passes. The fitted resistances are lower and let it
+    pass."""
     planned = document()
     assert network_at(planned).solve().sum() < 0.95 * FLOW
     found = flow_range.fit_resistances(planned, network_at)
@@ -75,7 +76,8 @@ def test_more_than_the_narrowing_lets_pass_is_refused():
 
 
 def test_a_measured_inflow_has_a_range_of_its_own():
-    """FFR at the flow +-10 %, and at a pressure 10 mmHg off with the same flow: the network's own, solved anew."""
+    """The range has FFR at the flow +-10 %, and at the same flow with a pressure 10 mmHg off. Both equal new solutions
+    of the network."""
     base = flow_range.fit_resistances(document(), network_at)
     base["plausible_flows"] = flow_range.plausible_around_inflow(document(), network_at, 2.55)
     assert [one["what"] for one in base["plausible_flows"]] == [what for what, *_ in flow_range.INFLOW_VARIATIONS[:4]]

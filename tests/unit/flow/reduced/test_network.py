@@ -127,7 +127,8 @@ def test_bad_sections_are_refused_by_their_line(tmp_path, text, words):
 
 
 def test_sections_of_another_lumen_are_refused():
-    """As of a state before or after an intervention, in metres, of a file that was cut, of a longer branch."""
+    """Refused are sections of another state, sections in metres, sections of a file that was cut off, and those of a
+    longer branch."""
     line = tubes.centre_branch(20.0, tubes.lesion(1.5, 0.5, 10, 8))
     own = _sections([("main", line.s_mm, line.radius_mm)])
     tree = centreline.Tree([line])
@@ -152,8 +153,9 @@ def test_sections_of_another_lumen_are_refused():
 
 
 def test_a_sudden_expansion_is_a_lumen():
-    """The FDA's nozzle: behind its throat the tube is three times as wide at once, the sphere on the axis is held by
-    the throat's rim. A tube without throat is another lumen, and so is one that stays as narrow as it."""
+    """In the FDA's nozzle the tube behind the throat is suddenly three times as wide. There the rim of the throat
+    limits the sphere on the axis. Refused are a tube without a throat, and one that is as narrow as the throat
+    everywhere."""
     nozzle = fda_nozzle.make()
     tree, s = centreline.Tree([nozzle.branch]), nozzle.branch.s_mm
     own = _sections([("main", s, np.sqrt(nozzle.area_mm2 / np.pi))])

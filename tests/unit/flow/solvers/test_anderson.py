@@ -1,4 +1,5 @@
-"""Quasi-Newton steps: exact after as many differences as unknowns, and better than the old tangent before."""
+"""Anderson's steps are exact after as many differences as unknowns. Before that they are better than steps by the old
+tangent."""
 
 import numpy as np
 import pytest
@@ -42,7 +43,7 @@ def test_differences_outlive_a_new_right_side(system):
 
 
 def test_weights_say_what_is_small():
-    """With one difference the part that weighs nothing is not minimized."""
+    """With a single difference, a component of weight 0 is not minimised."""
     learnt = AndersonAcceleration(np.array([1.0, 0.0]))
     learnt.step(np.zeros(2), np.array([1.0, 1.0]))
     step = learnt.step(np.array([1.0, 1.0]), np.array([0.5, 5.0]))

@@ -1,4 +1,5 @@
-"""The way to eps = 0 on small systems: a smooth branch, one that ends, one that a step must follow closely."""
+"""Continuation to eps = 0 on small systems: a smooth branch of solutions, one that ends, and one that needs short
+steps."""
 
 import io
 import types
@@ -14,7 +15,8 @@ from flow_equations import Equations
 
 
 class _Flow(Equations):
-    """Equations that depend on eps, with what continuation asks of solvers.nonlinear.FlowProblem besides."""
+    """Equations that depend on eps, with the other attributes of solvers.nonlinear.FlowProblem that continuation
+    uses."""
 
     def __init__(self, function, jacobian, start):
         super().__init__(

@@ -44,7 +44,7 @@ def test_solutions_that_are_not_finite_are_refused():
 
 
 def test_new_values_are_factorized_anew():
-    """Also those that were written into a matrix's own array, as discretisation.tangent does it."""
+    """This includes values written into the matrix's own array, as discretisation.tangent does."""
     random = np.random.default_rng(1)
     pattern, given = scipy.sparse.csr_matrix(random.normal(size=(SIZE, SIZE))), random.normal(size=(SIZE, 1))
     matrix, solver = tangent._matrix_on(pattern, pattern.data), linear.DirectSolver()

@@ -64,7 +64,7 @@ def test_no_more_factorizations_than_allowed():
 
 
 def test_whole_steps_that_serve_may_take_twice_as_many_factorizations(monkeypatch):
-    """x^2 = 0 has a double root: each whole step halves the error."""
+    """x^2 = 0 has a double root, so each undamped step only halves the error."""
     monkeypatch.setattr(newton, "REUSE_FOR_STEPS", 0.0)  # no accelerated steps
 
     def found(limit):

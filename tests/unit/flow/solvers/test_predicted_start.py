@@ -1,4 +1,4 @@
-"""When the reduced models' flow is a start, and what is done from it."""
+"""When Newton's method starts from the flow of the reduced models, and which steps follow."""
 
 import io
 import types
@@ -11,7 +11,7 @@ from flow.solvers import newton, predicted_start
 
 
 class _Problem:
-    """What predicted_start asks of solvers.nonlinear.FlowProblem."""
+    """The part of solvers.nonlinear.FlowProblem that predicted_start uses."""
 
     def __init__(self, left=100):
         self.taken, self.factorizations_left, self.log, self.settings = None, left, io.StringIO(), settings.make()

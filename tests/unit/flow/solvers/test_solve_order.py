@@ -1,4 +1,4 @@
-"""Which ways to a flow are gone on a mesh, with made-up ends of each."""
+"""The order in which FlowProblem tries its ways to a flow. The outcome of each way is made up."""
 
 import types
 
@@ -12,7 +12,7 @@ TUBE, TREE = (types.SimpleNamespace(covers_lumen=whole) for whole in (True, Fals
 
 
 class _Problem:
-    """What FlowProblem's ways ask of it; gone: their names."""
+    """The part of FlowProblem that its ways to a flow use. gone: names of the ways that were tried."""
 
     def __init__(self):
         self.gone, self.flows_found, self.solver = [], [(0.1, None, 0.0)], types.SimpleNamespace(factorizations=7)
@@ -28,7 +28,8 @@ class _Problem:
 
 @pytest.fixture
 def ways(monkeypatch):
-    """ways(predicted, ramp, from_guess): a problem on which each ends as given; None: it is not tried, or fails."""
+    """ways(predicted, ramp, from_guess) makes a problem on which each way ends as given. None: the way is not tried, or
+    fails."""
 
     def make(predicted=None, ramp=FAILED, guess=None):
         problem = _Problem()
