@@ -8,11 +8,13 @@ from snakemake.common import Mode
 from snakemake.exceptions import WorkflowError
 
 from common.errors import UserError
+from common.states import CT_IMAGED_STATES
 from workflow.configuration import COARSE_MESHES, Configuration
 from workflow.failed import cases_of_failed_arms, without_failed
 from workflow.half_maximum import ARM_STATES, HalfMaximum
 from workflow.imports import code, command_code, flow_benchmark_code, module_code
 from workflow.inputs import (
+    ANATOMY_STATES,
     Inputs,
     anatomy_folder,
     benchmark_folder,
@@ -58,7 +60,7 @@ LUMEN = os.path.join(config.get("build", "build"), "lumen")
 
 wildcard_constraints:
     case="|".join(STUDY.cases),
-    state="pre|vci|rc|rc_stent|reference|ct|ct_pre|ct_vci|ct_rc|post",
+    state="|".join(ANATOMY_STATES),
     plan="shorter|longer|larger|pressure|predilatation|postdilatation",
     section="anatomy|deployment|flow|reference|ct|metrics",
 

@@ -15,11 +15,12 @@ import dataclasses
 import numpy as np
 
 from common.errors import InputError
+from common.states import STATES
 from flow.geometry.centreline import Branch
 from flow.reduced import flow_range, network
 from whatif.case import BEFORE, PLANNED
 
-VALIDATION_STATES = ("reference", "rc", "rc_stent", "ct", "ct_vci", "ct_rc", "post")
+VALIDATION_STATES = tuple(state for state in STATES if state not in (BEFORE, PLANNED))
 PROBE = "distal"
 
 

@@ -5,10 +5,10 @@ This arm makes the comparison in CT a second time, with lumens segmented at half
 
 import json
 
-from workflow.inputs import CT_STATES
+from common.states import CT_PRE, CT_STATES
 
 ARM_NAME = "half_maximum"  # the method of segmentation, and the arm's folder in a case's folder
-ARM_STATES = ("ct_pre", *CT_STATES)  # states whose lumens the arm makes itself
+ARM_STATES = (CT_PRE, *CT_STATES)  # states whose lumens the arm makes itself
 
 
 class HalfMaximum:

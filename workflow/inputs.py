@@ -5,18 +5,15 @@ import pathlib
 import shlex
 
 from common.documents import config
+from common.states import CT_IMAGED_STATES, CT_PRE, STATES, TRUE_STATES, states_of
 
-SYNTHETIC_STATES = ("pre", "vci", "rc", "reference")
-SURFACE_STATES = ("pre", "vci", "rc")  # states of any other case, which has no reference
+ANATOMY_STATES = (*STATES, CT_PRE)  # states with an anatomy folder: the values of {state} in the rules
 CENTRELINE_OPTIONS = {
     "units": "--centreline-units",
     "line": "--line",
     "proximal_s_mm": "--proximal-s",
     "rotation_deg": "--rotation",
 }
-STENT_ALONE_STATES = ("rc_stent",)  # radius correction by the stents alone
-CT_STATES = ("ct", "ct_vci", "ct_rc")  # the reference seen in CT, and predictions from the CT before the procedure
-CT_IMAGED_STATES = ("pre", "reference")  # states with a CT volume
 
 
 class Inputs:
@@ -35,12 +32,17 @@ class Inputs:
         lumen after the real procedure. Radius correction by the stents alone exists if metrics.stent_alone asks for it.
         """
         settings = self.configuration.settings(case)
-        stent_alone = STENT_ALONE_STATES if settings["metrics"]["stent_alone"] else ()
-        if "post" in self.configuration.cases[case]:
-            return SURFACE_STATES + stent_alone + ("post",)
-        if not self.has_reference(case):
-            return SURFACE_STATES + stent_alone
-        return SYNTHETIC_STATES + stent_alone + (CT_STATES if settings["ct"]["enabled"] else ())
+        has_post = "post" in self.configuration.cases[case]
+        has_reference = not has_post and self.has_reference(case)
+        # The order is that of the rules' inputs and options, so another order would run rules again.
+        kinds = {
+            "every": True,
+            "reference": has_reference,
+            "stent_alone": settings["metrics"]["stent_alone"],
+            "ct": has_reference and settings["ct"]["enabled"],
+            "post": has_post,
+        }
+        return tuple(state for cases, present in kinds.items() if present for state in states_of(cases))
 
     def has_flow(self, case, state):
         """Whether the flow of a state is computed. It is not for `post` if the case compares areas alone."""
@@ -289,7 +291,7 @@ class Inputs:
 
     def any_lumen_after(self, cases):
         """Whether a case has a true lumen after PCI (`reference` or `post`) to compare predictions with."""
-        return any({"reference", "post"} & set(self.states(case)) for case in cases)
+        return any(set(TRUE_STATES) & set(self.states(case)) for case in cases)
 
     def page_templates(self):
         """The files of the report's pages that are not Python: HTML templates, style and scripts."""

@@ -3,15 +3,14 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from reports.inputs.case_files import TRUE_STATES
+from common.states import COMPARISONS, TRUE_STATES
 from reports.study.agreement import QUANTITIES, paired_values, published_results
 from reports.study.bland_altman import bland_altman
 from reports.study.differences import compared_pairs
 from reports.study.inclusion import analysed_documents
 from reports.figures.differences import differences_figure
-from reports.figures.style import COLOURS, ERROR_LABELS, LABELS, save_figure
+from reports.figures.style import COLOURS, ERROR_LABELS, LABELS, MARKERS, save_figure
 from reports.measuring.pressure_wire import FFR_THRESHOLD
-from reports.measuring.metrics import COMPARISONS
 
 # title, unit, least width of the horizontal axis: a narrower axis would show nothing but rounding errors
 QUANTITY_AXES = {
@@ -20,17 +19,6 @@ QUANTITY_AXES = {
     "minimum_area": ("Smallest CSA", " (mm²)", 2.0),
     "mean_curvature": ("Mean curvature", " (1/mm)", 0.04),
 }
-MARKERS = {
-    "vci": "o",
-    "rc": "^",
-    "rc_stent": "v",
-    "reference": "s",
-    "ct": "D",
-    "ct_vci": "o",
-    "ct_rc": "^",
-    "post": "P",
-}
-BEFORE_MARKER = {"pre": "v"}
 ROW_HEIGHT, LEGEND_ROW, LEGEND_MARGIN = 3.0, 0.2, 0.2  # inches: row of panels, row of legend, space round it
 PUBLISHED_COLOUR = "#b9b9b9"
 
@@ -141,7 +129,7 @@ def draw_pairs(axes, first_state, second_state, a, b):
     axes.plot(
         0.5 * (a + b),
         a - b,
-        {**MARKERS, **BEFORE_MARKER}[first_state],
+        MARKERS[first_state],
         color=colour,
         markersize=6,
         alpha=0.85,
@@ -157,7 +145,8 @@ def ffr_figure(documents, folder):
     """Writes ffr_before_after.{svg,png}: FFR of each state after PCI against FFR before PCI, a mark for each case."""
     figure, axes = plt.subplots(figsize=(4.6, 4.2))
     lowest = 0.78
-    for state, marker in MARKERS.items():
+    markers_after = {state: marker for state, marker in MARKERS.items() if state != "pre"}
+    for state, marker in markers_after.items():
         pairs = [
             (document["states"]["pre"]["ffr"]["distal"], document["states"][state]["ffr"]["distal"])
             for document in documents

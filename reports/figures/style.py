@@ -1,4 +1,4 @@
-"""One style for all figures. Each state has a line style and a colour, safe for colour-blind readers (Okabe-Ito)."""
+"""One style for all figures. The line styles, colours and labels of the states come from common/states.py."""
 
 import matplotlib
 
@@ -6,52 +6,15 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend must be chosen first)
 
 from common.files import replacing  # noqa: E402
+from common.states import MEASURED, TABLE  # noqa: E402
 
-COLOURS = {
-    "pre": "#6b6b6b",
-    "vci": "#0072b2",
-    "rc": "#d97b00",
-    "rc_stent": "#9c5b00",
-    "reference": "#009e73",
-    "ct": "#a3478f",
-    "ct_vci": "#56b4e9",
-    "ct_rc": "#e0a94a",
-    "post": "#111111",
-}
-COLOURS["measured"] = "#b0413e"  # the pressure wire's reading: a mark, not a curve
-LINE_STYLES = {
-    "pre": (0, (4, 2)),
-    "vci": "-",
-    "rc": (0, (1.2, 1.2)),
-    "rc_stent": (0, (1.2, 2.4)),
-    "reference": (0, (6, 1.5, 1.2, 1.5)),
-    "ct": (0, (3, 1)),
-    "ct_vci": (0, (2, 1)),
-    "ct_rc": (0, (1, 1.5)),
-    "post": (0, (8, 1.5)),
-}
-LABELS = {
-    "pre": "Before PCI",
-    "vci": "Virtual PCI (VCI)",
-    "rc": "Radius correction",
-    "rc_stent": "Radius correction, stent alone",
-    "reference": "Reference (finite elements)",
-    "ct": "CT of the reference",
-    "ct_vci": "VCI from CT",
-    "ct_rc": "Radius correction from CT",
-    "post": "After the real PCI",
-    "measured": "Pressure wire",
-}
-SHORT_LABELS = {
-    "pre": "before",
-    "vci": "VCI",
-    "rc": "radius correction",
-    "rc_stent": "radius correction, stent alone",
-    "reference": "reference",
-    "ct": "CT",
-    "post": "after PCI",
-}
-SHORT_LABELS |= {"ct_vci": "VCI from CT", "ct_rc": "radius correction from CT", "measured": "wire"}
+COLOURS = {state.name: state.colour for state in TABLE}
+LINE_STYLES = {state.name: state.line_style for state in TABLE}
+MARKERS = {state.name: state.marker for state in TABLE}
+LABELS = {state.name: state.label for state in TABLE}
+SHORT_LABELS = {state.name: state.short_label for state in TABLE}
+COLOURS[MEASURED] = "#b0413e"  # the pressure wire's reading: a mark, not a curve
+LABELS[MEASURED], SHORT_LABELS[MEASURED] = "Pressure wire", "wire"
 ERROR_LABELS = {
     "method": "Method",
     "imaging_before": "Imaging before",

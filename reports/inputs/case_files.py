@@ -4,24 +4,15 @@ import dataclasses
 import pathlib
 
 from common.errors import InputError
+from common.states import CT_STATES, PREDICTED_FROM_CT, STATES
 from reports.inputs.reading import entry, number, read_json
 
-# pre: the lumen before PCI. vci: after virtual PCI. rc: radius correction by the largest balloon. rc_stent: radius
-# correction by the stents alone. reference: the finite-element truth. ct: the lumen found in the reference's CT.
-# ct_vci, ct_rc: predictions from the lumen found in the CT before PCI. post: the lumen found after the real PCI.
-STATES = ("pre", "vci", "rc", "rc_stent", "reference", "ct", "ct_vci", "ct_rc", "post")
-PREDICTED_FROM_CT = ("ct_vci", "ct_rc")
-CT_STATES = ("ct", *PREDICTED_FROM_CT)
-TRUE_STATES = ("reference", "post")  # true lumens after PCI; if a case has both, the first counts
 SEGMENTATION_ARMS = ("half_maximum",)  # further segmentations of the CT volumes; each has a folder in the case's folder
 
 
 def states_in_3d(states):
     """The `states` that are shown in 3D: all but the predictions from CT, which look like the other predictions."""
     return [state for state in states if state not in PREDICTED_FROM_CT]
-
-
-CT_IMAGED_STATES = ("pre", "reference")  # states of which there may be a CT volume
 
 
 @dataclasses.dataclass(frozen=True)

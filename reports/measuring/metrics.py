@@ -6,11 +6,11 @@ import numpy as np
 
 from common.documents.config import load_case
 from common.errors import ComputationError, InputError
-from reports.inputs.case_files import CT_IMAGED_STATES, STATES
+from common.states import COMPARISONS, CT_IMAGED_STATES, STATES
 from reports.measuring.curvature import mean_over_length
 from reports.measuring.device_readouts import case_kind, deployment_summary, lesion_summary, patient_summary
 from reports.measuring.device_readouts import lumen_warnings, procedure_summary, reference_summary
-from reports.measuring.pressure_wire import MEASURED, ffr_at_wire, wire_summary
+from reports.measuring.pressure_wire import ffr_at_wire, wire_summary
 from reports.inputs.polyline import read_centreline
 from reports.measuring.profiles import ffr_error_estimate, state_profiles
 from reports.inputs.reading import entry, read_json
@@ -20,30 +20,6 @@ DEFAULT_MARGIN_MM = 2.0
 DEFAULT_STATIONS = 101
 FEWEST_STATIONS = 50
 LEAST_COVERAGE = 0.5  # least share of the stations to compare; with fewer, a mean no longer represents the segment
-# (a, b, error): state a minus state b shows this error.
-# method: the prediction minus the truth.
-# imaging_before: the prediction from the lumen found in CT minus that from the true lumen.
-# imaging_after: the truth as seen in CT minus the truth.
-# clinical: all three errors together, because a clinical study has only images. The lumen after PCI comes from a
-# CT or from the real procedure.
-# measured: the computed FFR minus that of a pressure wire, at the wire's sensor.
-COMPARISONS = (
-    ("vci", "reference", "method"),
-    ("rc", "reference", "method"),
-    ("rc_stent", "reference", "method"),
-    ("ct_vci", "vci", "imaging_before"),
-    ("ct_rc", "rc", "imaging_before"),
-    ("ct", "reference", "imaging_after"),
-    ("ct_vci", "ct", "clinical"),
-    ("ct_rc", "ct", "clinical"),
-    ("vci", "post", "clinical"),
-    ("rc", "post", "clinical"),
-    ("rc_stent", "post", "clinical"),
-    ("pre", MEASURED, "measured"),
-    ("post", MEASURED, "measured"),
-    ("vci", MEASURED, "measured"),
-    ("rc", MEASURED, "measured"),
-)
 QUANTITIES = ("area_mm2", "curvature_per_mm", "ffr")
 
 

@@ -1,9 +1,9 @@
 """FFR measured in the patient by a pressure wire, and the computed FFR at the wire's sensor."""
 
 from common.errors import InputError
+from common.states import MEASURED
 from reports.inputs.reading import read_json
 
-MEASURED = "measured"  # name of the wire's probe in boundary.json and ffr.json, and of the wire in COMPARISONS
 FFR_THRESHOLD = 0.80  # at or below it a lesion is treated (ESC/EACTS guidelines on myocardial revascularisation)
 
 

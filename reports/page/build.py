@@ -7,13 +7,13 @@ import jinja2
 import markupsafe
 
 from common.files import sha256
+from common.states import PREDICTED_FROM_CT, STATES
 from reports.study.agreement import published_results
 from reports.study.bland_altman import sample_sd
 from reports.study.differences import COHORT_ROW_NAME
 from reports.study.inclusion import patient_groups
 from reports.study.nearer import FEWEST_PATIENTS, SIGNIFICANCE_LEVEL
 from reports.study.tables import study_table
-from reports.inputs.case_files import PREDICTED_FROM_CT, STATES
 from reports.figures.style import ERROR_LABELS, LABELS, SHORT_LABELS
 from reports.page.agreement import agreement_groups, contrast_rows, excluded_patients
 from reports.page.benchmarks import read_benchmarks

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from reports.inputs.case_files import TRUE_STATES
+from common.states import TRUE_STATES
 from reports.inputs.reading import number
 from reports.measuring.pressure_wire import FFR_THRESHOLD
 from reports.study.cohort import describe_procedure

@@ -9,10 +9,10 @@ import pathlib
 
 import pandas as pd
 
+from common.states import COMPARISONS, MEASURED
 from reports.study.bland_altman import Agreement, bland_altman
 from reports.study.inclusion import patient_groups
-from reports.measuring.pressure_wire import MEASURED, same_decision_share, wire_pair
-from reports.measuring.metrics import COMPARISONS
+from reports.measuring.pressure_wire import same_decision_share, wire_pair
 from reports.inputs.reading import number
 
 PUBLISHED_FILE = pathlib.Path(__file__).with_name("published.json")

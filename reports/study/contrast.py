@@ -4,12 +4,12 @@ import math
 
 import pandas as pd
 
-from reports.inputs.case_files import TRUE_STATES
+from common.states import PREDICTED_FROM_PRE, TRUE_STATES
 from reports.inputs.reading import number
 from reports.study.agreement import QUANTITIES, UNITS
 from reports.study.nearer import flow_error
 
-METHODS = ("vci", "rc", "rc_stent")  # virtual PCI; radius correction by the largest balloon, and by the stents alone
+METHODS = PREDICTED_FROM_PRE  # columns of the table: virtual PCI and the radius corrections
 METHOD_NAMES = {"vci": "VCI", "rc": "radius correction"}
 UNDECIDED, UNKNOWN = "within the flow's error", "the flow's error is not known"
 # The error of this quantity is the root mean square of the difference in area along the stent. In a mean, differences

@@ -7,11 +7,10 @@ station, for each patient and over the cohort.
 import numpy as np
 import pandas as pd
 
-from reports.measuring.metrics import COMPARISONS
+from common.states import AFTER_PCI, COMPARISONS, PREDICTED
 from reports.study.bland_altman import sample_sd
 from reports.study.inclusion import patient_groups
 
-PREDICTED, AFTER_PCI = ("vci", "rc", "rc_stent", "ct_vci", "ct_rc"), ("reference", "ct", "post")
 # name of the difference -> (group and key of a state's profile in metrics.json, key in `differences` of metrics.json,
 # suffix of the unit)
 QUANTITIES = {

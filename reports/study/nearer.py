@@ -4,9 +4,8 @@ import numpy as np
 import pandas as pd
 from scipy.stats import wilcoxon
 
-from reports.measuring.metrics import COMPARISONS
+from common.states import AFTER_PCI, COMPARISONS
 from reports.study.agreement import QUANTITIES, UNITS, largest_estimate, paired_values
-from reports.study.differences import AFTER_PCI
 from reports.study.inclusion import patient_groups
 
 SIGNIFICANCE_LEVEL = 0.05  # significance level of each row's test, two-sided

@@ -59,5 +59,5 @@ def git_output(repository, *arguments):
     """Standard output of a git command in the repository's folder; InputError if it fails."""
     result = subprocess.run(["git", "-C", str(repository), *arguments], capture_output=True, text=True, check=False)
     if result.returncode:
-        raise InputError("not a git repository", repository, result.stderr.strip(), "give the repository's folder")
+        raise InputError("not a git repository", repository, result.stderr.strip(), "run it in the repository's folder")
     return result.stdout.strip()

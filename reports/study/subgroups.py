@@ -1,12 +1,11 @@
 """Tables of a cohort of randomly drawn patients: agreement by subgroup, and why patients failed."""
 
 import pathlib
-import re
 
 import pandas as pd
 
 from common.documents import config
-from common.errors import InputError
+from common.errors import InputError, error_sentence
 from reports.inputs.reading import read_json
 from reports.study.agreement import agreement_table
 
@@ -70,9 +69,9 @@ def failure_reason(folder):
     """The (step, reason) at which a patient failed, from the newest log with an error; ("", "not run") without logs."""
     logs = sorted(folder.rglob("logs/**/*.log"), key=lambda file: file.stat().st_mtime, reverse=True)
     for log in logs:
-        found = re.findall(r"^error: (.*)$", log.read_text(errors="replace"), re.M)
-        if found:
-            return str(log.relative_to(folder / "logs").with_suffix("")), found[-1]
+        reason = error_sentence(log.read_text(errors="replace"))
+        if reason:
+            return str(log.relative_to(folder / "logs").with_suffix("")), reason
     if not logs:
         return "", "not run"
     return str(logs[0].relative_to(folder / "logs").with_suffix("")), "stopped without a message"

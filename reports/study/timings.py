@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from reports.inputs.case_files import PREDICTED_FROM_CT, STATES
+from common.states import PREDICTED_FROM_CT, STATES
 from reports.inputs.reading import number, read_json
 
 COLUMNS = ["case", "step", "source", "seconds", "cpu_s", "peak_memory_mib"]

@@ -72,7 +72,7 @@ def test_an_audit_in_time_is_made_only_when_asked_for(fresh):
 )
 def test_a_target_that_cannot_be_made_is_named(fresh, shared_data, target, words):
     """An unknown case; the reference of a user's own, whose truth nobody knows."""
-    environment = {"VCI_DATA_DIR": str(shared_data)}.items()
+    environment = {"VCI_DATA_DIR": str(shared_data("dfemtoolz_case4_artery.stl").parent)}.items()
     run = fresh.snakemake("--dry-run", f"results/cases/{target}", environment=environment)
     text = run.stdout + run.stderr
     assert run.returncode != 0 and words in text and "Traceback" not in text, text

@@ -12,7 +12,7 @@ rule ct_phantom:
         image="results/cases/{case}/ct/{state}/ct.nii.gz",
         sidecar="results/cases/{case}/ct/{state}/ct.json",
     wildcard_constraints:
-        state="pre|reference",
+        state="|".join(CT_IMAGED_STATES),
     log:
         "results/cases/{case}/logs/ct/{state}_phantom.log",
     benchmark:
@@ -37,7 +37,7 @@ rule ct_segment:
         lumen="results/cases/{case}/ct/{state}/lumen.vtp",
         segmentation="results/cases/{case}/ct/{state}/segmentation.json",
     wildcard_constraints:
-        state="pre|reference",
+        state="|".join(CT_IMAGED_STATES),
     log:
         "results/cases/{case}/logs/ct/{state}_segment.log",
     benchmark:

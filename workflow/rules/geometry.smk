@@ -131,7 +131,7 @@ rule state_anatomy:
         sections="results/cases/{case}/{state}/anatomy/sections.csv",
         anatomy="results/cases/{case}/{state}/anatomy/anatomy.json",
     wildcard_constraints:
-        state="vci|rc|rc_stent|reference|ct|ct_pre|ct_vci|ct_rc|post",
+        state="|".join(state for state in ANATOMY_STATES if state != "pre"),
     log:
         "results/cases/{case}/logs/{state}/anatomy.log",
     benchmark:

@@ -48,7 +48,7 @@ use rule state_anatomy as half_maximum_anatomy with:
         sections=f"{ARM}/{{state}}/anatomy/sections.csv",
         anatomy=f"{ARM}/{{state}}/anatomy/anatomy.json",
     wildcard_constraints:
-        state="ct|ct_pre|ct_vci|ct_rc",
+        state="|".join(ARM_STATES),
     log:
         f"{ARM_LOGS}/{{state}}_anatomy.log",
     benchmark:
@@ -152,7 +152,7 @@ rule half_maximum_metrics:
     input:
         HALF_MAXIMUM.compared_files,
         f"{ARM}/ffr.json",
-        expand(f"{ARM}/ct/{{state}}/segmentation.json", state=["pre", "reference"], allow_missing=True),
+        expand(f"{ARM}/ct/{{state}}/segmentation.json", state=CT_IMAGED_STATES, allow_missing=True),
         expand(
             f"{ARM}/{{state}}/anatomy/{{name}}",
             state=ARM_STATES,

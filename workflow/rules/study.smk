@@ -100,7 +100,7 @@ rule ct_figure:
     message:
         "{wildcards.case}: slices of its CT"
     input:
-        expand("results/cases/{{case}}/ct/{state}/ct.nii.gz", state=["pre", "reference"]),
+        expand("results/cases/{{case}}/ct/{state}/ct.nii.gz", state=CT_IMAGED_STATES),
         expand(
             "results/cases/{{case}}/{anatomy}/{file}.vtp",
             anatomy=["anatomy", "reference/anatomy", "ct_pre/anatomy", "ct/anatomy"],

@@ -1,7 +1,7 @@
 """Warnings that put a patient's result in doubt."""
 
+from common.states import TRUE_STATES
 from reports.figures.style import SHORT_LABELS
-from reports.inputs.case_files import TRUE_STATES
 from reports.measuring.stent_edges import RUPTURE_STRETCH
 from reports.page.verdict.words import ffr_computed, significant
 from reports.selection.patients import LOW_FFR_AFTER

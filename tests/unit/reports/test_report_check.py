@@ -102,7 +102,7 @@ def test_console_messages_of_a_log():
 @needs_chromium
 def test_a_whole_report_is_opened_page_by_page(report, tmp_path):
     """Every page has its picture."""
-    pages = check_report(report / "index.html", tmp_path / "shots", "600,400")
+    pages = check_report(report / "index.html", tmp_path / "shots")
     assert pages == [report / "index.html", report / "cases" / "a.html"]
     assert sorted(path.name for path in (tmp_path / "shots").iterdir()) == ["a.png", "index.png"]
 

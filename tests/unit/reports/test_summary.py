@@ -4,8 +4,8 @@ import html.parser
 
 import pytest
 
+from common.states import PREDICTED_FROM_CT
 from reports.figures.style import LABELS, SHORT_LABELS
-from reports.inputs.case_files import PREDICTED_FROM_CT
 from reports.page.build import environment
 from reports.study.agreement import published_results
 

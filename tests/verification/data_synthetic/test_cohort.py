@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from common.blood_pressure import mean_arterial_pressure_mmhg
 from common.documents import config, schema
 from data_synthetic import draw, patient, tree
 from flow import settings
@@ -27,9 +28,7 @@ def network_ffr(case, branches):
         s = np.arange(0, branch.axis.length_mm, 0.25)
         tables.append(pd.DataFrame({"branch": branch.name, "s_mm": s, "area_mm2": np.pi * branch.radius(s) ** 2}))
     names = [{"name": b.name, "parent": b.parent or None, "s_on_parent_mm": b.s_on_parent_mm} for b in branches]
-    map_pa = PA_PER_MMHG * boundary.mean_arterial_pressure_mmhg(
-        case["patient"]["sbp_mmhg"], case["patient"]["dbp_mmhg"]
-    )
+    map_pa = PA_PER_MMHG * mean_arterial_pressure_mmhg(case["patient"]["sbp_mmhg"], case["patient"]["dbp_mmhg"])
     venous_pa = PA_PER_MMHG * flow.venous_pressure_mmhg
     total = hyperaemia.flow_of_mass(case["patient"]["lvm_g"], flow.hyperaemia_fraction)
     ends = [2 * float(branch.radius(branch.axis.length_mm)) for branch in branches]
