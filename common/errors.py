@@ -4,7 +4,7 @@ import functools
 import re
 import sys
 
-LAST_LINES = 6  # last lines of a log, taken as the message if the log has no error message of this project
+LAST_LINES = 6  # number of last lines of a log, taken as the message if the log has no error message of this project
 
 
 class UserError(Exception):
@@ -52,7 +52,19 @@ def guarded(main):
     return run
 
 
-def error_message(text):
-    """The error in a log: the last error message of this project if there is one, else the last lines."""
+def error_message(text, last_lines=LAST_LINES):
+    """The error in a log: the last error message of this project if there is one, else so many of the last lines."""
     begins = [one.start() for one in re.finditer(r"^error: ", text, re.M)]
-    return text[begins[-1] :].strip() if begins else "\n".join(text.strip().splitlines()[-LAST_LINES:])
+    return text[begins[-1] :].strip() if begins else "\n".join(text.strip().splitlines()[-last_lines:])
+
+
+def error_sentence(text):
+    """What the last error message of this project in a log says is wrong; "" if the log has no such message."""
+    first = error_message(text).partition("\n")[0]
+    return first.removeprefix("error: ").strip() if first.startswith("error: ") else ""
+
+
+def error_summary(text):
+    """The error in a log on one line, without its remedy. If it is no message of this project: the log's last line."""
+    lines = [line.strip() for line in error_message(text, last_lines=1).splitlines()]
+    return "; ".join(line for line in lines[:3] if not line.startswith("remedy"))  # what, where, value

@@ -9,9 +9,8 @@ import pathlib
 import time
 
 import basix
-import numpy as np
 import ufl
-from dolfinx import fem, geometry, jit, plot
+from dolfinx import fem, jit, plot
 
 # Longest time in s that a program waits while another one compiles the same form. FEniCSx's default is 10 s.
 COMPILE_WAIT_S = 300
@@ -63,10 +62,6 @@ if hasattr(fem, "functionspace"):  # FEniCSx 0.9
         """
         return space.dofmap.list
 
-    def _candidate_cells(mesh, points):
-        tree = geometry.bb_tree(mesh, mesh.topology.dim)
-        return geometry.compute_collisions_points(tree, points)
-
     def _shape(size):
         return None if size is None else (size,)
 
@@ -101,10 +96,6 @@ else:  # FEniCSx 0.5
         lists = space.dofmap.list.array
         return lists.reshape(-1, len(space.dofmap.cell_dofs(0)))
 
-    def _candidate_cells(mesh, points):
-        tree = geometry.BoundingBoxTree(mesh, mesh.topology.dim)
-        return geometry.compute_collisions(tree, points)
-
     def interpolation_matrix(coarse, fine):
         return cpp_petsc.interpolation_matrix(coarse._cpp_object, fine._cpp_object)
 
@@ -117,12 +108,6 @@ else:  # FEniCSx 0.5
 def cell_name(mesh):
     """Name of a mesh's kind of cell, as `lagrange` and the other elements take it."""
     return mesh.ufl_cell().cellname()
-
-
-def containing_cells(mesh, points):
-    """Index (n,) of the first cell found that contains each of points (n, 3), in the mesh's unit."""
-    colliding = geometry.compute_colliding_cells(mesh, _candidate_cells(mesh, points), points)
-    return np.array([colliding.links(k)[0] for k in range(len(points))], np.int32)
 
 
 def quadratic_domain(cell):

@@ -6,8 +6,11 @@ import sys
 
 from common.errors import InputError, guarded
 from common.files import write_json, write_table
-from reports.inputs.case_files import SEGMENTATION_ARMS, STATES, CaseFiles
+from common.states import STATES
+from reports.inputs.case_files import SEGMENTATION_ARMS, CaseFiles
 from reports.inputs.reading import read_failed, read_json
+
+REPOSITORY = pathlib.Path()  # commands run in the repository's folder
 
 
 def case_files(args):
@@ -140,7 +143,7 @@ def run_sensitivity(args):
 def run_software(args):
     from reports.study.software import software_versions
 
-    write_json(args.out, software_versions(args.repository))
+    write_json(args.out, software_versions(REPOSITORY))
 
 
 def run_report(args):
@@ -163,15 +166,14 @@ def run_crate(args):
     from reports.record.crate import crate
     from reports.study.software import git_output
 
-    date = git_output(args.repository, "show", "-s", "--format=%cI", "HEAD")
-    citation = args.repository / "CITATION.cff"
-    write_json(args.out, crate(args.out.parent, args.cases, citation, date, args.cohort))
+    date = git_output(REPOSITORY, "show", "-s", "--format=%cI", "HEAD")
+    write_json(args.out, crate(args.out.parent, args.cases, REPOSITORY / "CITATION.cff", date, args.cohort))
 
 
 def run_check(args):
     from reports.page.check import check_report
 
-    pages = check_report(args.report, args.screenshots, args.window)
+    pages = check_report(args.report, args.screenshots)
     print(f"{args.report}: {len(pages)} pages, no console error, no missing file, no reference out of the folder")
 
 
@@ -264,7 +266,6 @@ def parser():
     command.set_defaults(run=run_sensitivity)
 
     command = commands.add_parser("software", help="versions of what the study runs on, and git revision -> JSON")
-    command.add_argument("--repository", type=path, default=path("."), help="the repository's folder (.)")
     command.add_argument("--out", required=True, type=path, help="the JSON file")
     command.set_defaults(run=run_software)
 
@@ -294,7 +295,6 @@ def parser():
     command = commands.add_parser("crate", help="the finished study as a research object -> ro-crate-metadata.json")
     command.add_argument("--cases", required=True, nargs="+", help="names of the study's cases")
     command.add_argument("--cohort", default="", help="the cohort's name")
-    command.add_argument("--repository", type=path, default=path("."), help="the repository's folder (.)")
     command.add_argument(
         "--out", required=True, type=path, help="results/ro-crate-metadata.json, in the folder it tells of"
     )
@@ -303,7 +303,6 @@ def parser():
     command = commands.add_parser("check", help="open each page of a report in headless Chromium; fail on any error")
     command.add_argument("report", type=path, help="the report's index.html")
     command.add_argument("--screenshots", type=path, help="a folder for a picture of each page (PNG)")
-    command.add_argument("--window", default="1440,900", help="width,height of the pictures in pixels (1440,900)")
     command.set_defaults(run=run_check)
     return root
 

@@ -1,12 +1,11 @@
 """Fixtures for all tests: the repository's root, the public data, the built programs, and a part's command."""
 
-import os
-import pathlib
 import subprocess
 
 import pytest
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+from places import ROOT, build_folder, public_data
+
 PYTHON = "/usr/bin/python3"
 
 
@@ -18,21 +17,23 @@ def repo_root():
 
 @pytest.fixture(scope="session")
 def shared_data():
-    """Folder of the public test data. A test that needs it is skipped where it is absent."""
-    candidates = [os.environ.get("VCI_DATA_DIR"), ROOT / "data", ROOT.parent / "shared" / "data"]
-    for folder in candidates:
-        if folder and (pathlib.Path(folder) / "dfemtoolz_case4_artery.stl").is_file():
-            return pathlib.Path(folder)
-    pytest.skip("public test data absent: put it in data/ or set VCI_DATA_DIR (see README.md)")
+    """shared_data(name) -> path of a file or folder of the public test data. The test is skipped if it is absent."""
+
+    def find(name):
+        path = public_data(name)
+        if path is None:
+            pytest.skip(f"public test data {name} is absent: put it in data/ or set VCI_DATA_DIR (see README.md)")
+        return path
+
+    return find
 
 
 @pytest.fixture(scope="session")
 def binary():
     """binary(name) -> path of a built program. The test is skipped if it is not built."""
-    folder = pathlib.Path(os.environ.get("VCI_BUILD_DIR", ROOT / "build"))
 
     def find(name):
-        path = folder / name
+        path = build_folder() / name
         if not path.is_file():
             pytest.skip(f"{path} is not built: run make build")
         return path

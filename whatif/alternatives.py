@@ -3,6 +3,7 @@
 import copy
 
 from anatomy.planning import catalogue
+from common.documents import config
 from common.errors import InputError
 
 EXTRA_PRESSURE_BAR = 4.0  # bar added to every inflation from the first stent on, up to the rated burst pressure
@@ -104,8 +105,7 @@ def _raise_pressures(steps, families):
     first, changed = _first_stent_step(steps), copy.deepcopy(steps)
     for step in changed[first:]:
         for use in step["devices"]:
-            family = families[use["device"]]
-            balloon = families[family["delivery_balloon"]] if family["kind"] == "stent" else family
+            balloon = families[config.balloon_family(families, use["device"])]
             use["pressure_bar"] = min(use["pressure_bar"] + EXTRA_PRESSURE_BAR, balloon["rated_burst_pressure_bar"])
     if changed == steps:
         raise PlanNotPossible("every balloon is at its rated burst pressure")

@@ -4,6 +4,7 @@ import copy
 import pathlib
 import tempfile
 
+from common.documents import plan_reader
 from common.errors import ComputationError, InputError
 from whatif import calibrated, engine, sampling, segmentation
 from whatif.case import BEFORE, PLANNED, read_patient
@@ -115,8 +116,7 @@ def scene_with_inputs(scene, values):
     scene = copy.deepcopy(scene)
     for step in scene["procedure"]:
         for use in step["devices"]:
-            device = scene["devices"][use["device"]]
-            balloon = scene["devices"][device["balloon"]] if device["kind"] == "stent" else device
+            balloon = plan_reader.inflating_balloon(scene["devices"], use["device"])
             max_pressure_bar = min(balloon["chart"]["pressure_bar"][-1], 1.5 * balloon["rated_burst_pressure_bar"])
             pressure_bar = use["pressure_bar"] * (1 + values.get("balloon_pressure", 0.0) / 100)
             use["pressure_bar"] = (

@@ -182,8 +182,7 @@ class Configuration:
         for key, sizes in (("diameter_mm", "diameters_mm"), ("length_mm", "lengths_mm")):
             if device[key] not in family[sizes]:
                 refuse(key, "size that the family does not have", f"one of {', '.join(map(str, family[sizes]))}")
-        balloon = family if kind == "balloon" else self.devices[family["delivery_balloon"]]
-        limit = balloon["rated_burst_pressure_bar"]
+        limit = self.devices[config.balloon_family(self.devices, device["device"])]["rated_burst_pressure_bar"]
         if device["pressure_bar"] > limit:
             refuse("pressure_bar", "above the rated burst pressure", f"at most {limit} bar")
 

@@ -58,7 +58,7 @@ def find_warnings(lines, tubes, profiles, bright, ends, levels, settings, point_
         message = "called stented, but no section is bright all round: read as a vessel without a stent"
         found.append(warning_entry("no_stent_seen", tubes[0], [0.0, tubes[0].axis.length_mm], 0.0, message))
     found += _widening(tubes[0])
-    found += _close_pairs(lines, tubes)
+    found += _close_pairs(tubes)
     if point_spread_assumed and settings["psf_fwhm_mm"] == "auto" and settings["method"] == "psf_edge":
         message = "no section wide enough to measure the point spread; 0.7 mm is assumed (psf_fwhm_mm gives it)"
         found.append(warning_entry("point_spread_assumed", tubes[0], [0.0, tubes[0].axis.length_mm], 0.7, message))
@@ -147,7 +147,7 @@ def warning_entry(code, tube, s_mm, value, message):
     }
 
 
-def _close_pairs(lines, tubes):
+def _close_pairs(tubes):
     """Warns of vessels within 0.3 mm of each other, away from their branching: the image may have merged them."""
     found = []
     for i, first in enumerate(tubes):

@@ -49,12 +49,6 @@ def device_entries(families, family, diameter_mm, length_mm, where):
     }
 
 
-def balloon_family(families, family):
-    """Name of the balloon family that inflates a device: its own, or a stent's delivery balloon."""
-    family_document = families[family]
-    return family_document["delivery_balloon"] if family_document["kind"] == "stent" else family
-
-
 def diameter_at(balloon, pressure_bar):
     """Diameter in mm of a freely inflated sized balloon at a pressure, by its chart (linear between the points)."""
     chart = balloon["chart"]

@@ -3,6 +3,7 @@
 import os
 import sys
 
+from common.blood_pressure import mean_arterial_pressure_mmhg
 from common.documents import config
 from common.errors import InputError
 from common.files import write_json
@@ -31,8 +32,7 @@ def run(case_file, anatomy_folder, devices_folder, out):
         steps = proposed.steps
         sentences = list(remarks.of_proposal(summary, proposed))
         reference = {
-            "reference": reference_document(summary, proposed, outer_wall.has_traced_wall(case))
-            | {"remarks": sentences}
+            "reference": reference_document(proposed, outer_wall.has_traced_wall(case)) | {"remarks": sentences}
         }
         for sentence in sentences:
             print(f"warning: {case_file}: plan: {sentence}", file=sys.stderr)
@@ -55,7 +55,7 @@ def run(case_file, anatomy_folder, devices_folder, out):
     write_json(out, document)
 
 
-def reference_document(summary, proposed, by_outer_wall):
+def reference_document(proposed, by_outer_wall):
     """The plan's `reference` as a dict: the source of the vessel's healthy size, and the lesions measured by it.
 
     anatomy_percent is the stenosis of the same lesion in anatomy.json, where the healthy profile through the lumen is
@@ -75,9 +75,11 @@ def reference_document(summary, proposed, by_outer_wall):
 
 
 def mean_arterial_pressure_pa(patient):
-    """Mean arterial pressure in Pa: diastolic plus 0.4 of the pulse pressure. patient: dict with sbp_mmhg, dbp_mmhg."""
-    systolic, diastolic = patient["sbp_mmhg"], patient["dbp_mmhg"]
-    return round((0.4 * (systolic - diastolic) + diastolic) * PASCAL_PER_MMHG, 3)
+    """Mean arterial pressure in Pa, to 0.001. patient: dict with sbp_mmhg, dbp_mmhg.
+
+    Raises InputError if the diastolic pressure is not below the systolic one.
+    """
+    return round(mean_arterial_pressure_mmhg(patient["sbp_mmhg"], patient["dbp_mmhg"]) * PASCAL_PER_MMHG, 3)
 
 
 def procedure(steps, families, summary, where):
@@ -152,7 +154,7 @@ def _placed_device(request, summary, where):
 
 
 def _inflating_balloon(request, sized, families):
-    family = catalogue.balloon_family(families, request["device"])
+    family = config.balloon_family(families, request["device"])
     return sized[catalogue.device_key(family, request["diameter_mm"], request["length_mm"])]
 
 

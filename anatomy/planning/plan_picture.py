@@ -47,7 +47,7 @@ def _devices_by_branch(plan):
             entry = plan["devices"][device["device"]]
             half = entry["length_mm"] / 2
             span = (device["centre_s_mm"] - half, device["centre_s_mm"] + half)
-            balloon = plan["devices"][entry["balloon"]] if entry["kind"] == "stent" else entry
+            balloon = plan_reader.inflating_balloon(plan["devices"], device["device"])
             wide = catalogue.diameter_at(balloon, device["pressure_bar"])
             label = f"{step['name']}: {device['device']}, {device['pressure_bar']:g} bar"
             found.setdefault(device["branch"], []).append((label, *span, wide, entry["kind"]))

@@ -18,6 +18,7 @@ lesion. The consensus on balloons without a stent asks for 0.8 to 1 (Jeger et al
 import dataclasses
 import math
 
+from common.documents import config
 from common.errors import InputError
 
 from . import catalogue, landing
@@ -212,7 +213,7 @@ def plan_step(families, action, family, diameter, length, branch, centre, wanted
     wanted: (wanted, greatest) inflated diameter in mm. The pressure is chosen to come as near to the wanted one as
     possible.
     """
-    inflated = catalogue.balloon_family(families, family)
+    inflated = config.balloon_family(families, family)
     balloon = catalogue.device_entries(families, inflated, diameter, length, where).popitem()[1]
     size = {"device": family, "diameter_mm": diameter, "length_mm": length}
     place = {"branch": branch, "centre_s_mm": centre, "pressure_bar": catalogue.pressure_for(balloon, *wanted)}

@@ -164,6 +164,15 @@ def load_devices(folder):
     return families
 
 
+def balloon_family(families, family):
+    """Name of the balloon family that inflates a device: its own, or a stent's delivery balloon.
+
+    families: {name: family}, as load_devices() returns them. family: name of the device's family.
+    """
+    document = families[family]
+    return document["delivery_balloon"] if document["kind"] == "stent" else family
+
+
 def resolve_settings(study, case):
     """Settings of a case, {section: values}: those of the study, overridden by the case's own `settings`.
 

@@ -27,3 +27,12 @@ def read(file):
                 remedy = f"devices of this plan: {', '.join(plan['devices'])}"
                 raise InputError("a device that the plan does not define", where, use["device"], remedy)
     return plan
+
+
+def inflating_balloon(devices, name):
+    """The entry (dict) of the balloon that inflates the device `name`: its own, or that of a stent's delivery balloon.
+
+    devices: {name: entry}, as in plan.json and scene.json.
+    """
+    device = devices[name]
+    return devices[device["balloon"]] if device["kind"] == "stent" else device

@@ -12,7 +12,7 @@ import time
 from common import vtp
 from common.documents import config
 from common import volume as image
-from common.errors import ComputationError, InputError
+from common.errors import ComputationError, InputError, error_sentence
 from common.files import replacing, write_json
 from common.implicit import field, surface
 
@@ -147,9 +147,9 @@ def _segmentation_row(folder, subject):
     command += ["--settings", folder / "settings.json", "--out", folder / "found"]
     command += ["--stented"] if subject.metal else []
     process = subprocess.run(list(map(str, command)), cwd=ROOT, capture_output=True, text=True)
-    errors = [line for line in process.stderr.splitlines() if line.startswith("error: ")]
-    if process.returncode == ComputationError.exit_code and errors:
-        return {"status": errors[0].removeprefix("error: ")}
+    reason = error_sentence(process.stderr)
+    if process.returncode == ComputationError.exit_code and reason:
+        return {"status": reason}
     if process.returncode != 0:
         raise ComputationError(
             "the segmentation failed", " ".join(map(str, command)), process.stderr[-2000:], "see above"

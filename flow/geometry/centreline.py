@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 from vtk.util.numpy_support import vtk_to_numpy
 
-from common import vtp
+from common import polyline, vtp
 from common.errors import InputError
 from flow.geometry.surface import INLET
 
@@ -40,7 +40,7 @@ class Branch:
 
     def point(self, s_mm):
         """Point (3,) or points (m, 3) in mm at arc length s_mm (clamped to the branch)."""
-        return np.stack([np.interp(s_mm, self.s_mm, self.points[:, k]) for k in range(3)], axis=-1)
+        return polyline.point_at(self.points, self.s_mm, s_mm)
 
     def radius(self, s_mm):
         """Radius in mm at arc length s_mm (clamped to the branch)."""
@@ -48,11 +48,7 @@ class Branch:
 
     def project(self, point):
         """(s_mm, distance_mm): place of the point on the polyline that is nearest to `point` (3,), and its distance."""
-        a, d = self.points[:-1], np.diff(self.points, axis=0)
-        t = np.clip(np.einsum("ij,ij->i", point - a, d) / np.einsum("ij,ij->i", d, d), 0, 1)
-        gap = np.linalg.norm(a + t[:, None] * d - point, axis=1)
-        k = int(np.argmin(gap))
-        return float(self.s_mm[k] + t[k] * (self.s_mm[k + 1] - self.s_mm[k])), float(gap[k])
+        return polyline.project(self.points, self.s_mm, point)
 
     def outside_parent(self, parent, radii):
         """Whether each point (n,) of this side branch comes after the branch has left its parent's lumen.

@@ -13,6 +13,7 @@ network of the vessel before the intervention passes it. The exponent 2.55 and t
 
 import math
 
+from common.blood_pressure import mean_arterial_pressure_mmhg
 from common.documents import json_reader, schema
 from common.errors import InputError
 from flow.inputs import hyperaemia, wire
@@ -23,21 +24,6 @@ ROUNDING_MM = 1e-6  # a probe that lies too near to its lesion by less than this
 # Largest factor between R_i Q_i and MAP - P_v, in either direction. Beyond it R_i has other units, or belongs to
 # another outlet.
 LARGEST_FLOW_RATIO = 10.0
-
-
-def mean_arterial_pressure_mmhg(sbp_mmhg, dbp_mmhg):
-    """MAP in mmHg: the diastolic pressure plus 0.4 of the pulse pressure (Bos et al., J Hypertens 25 (2007) 751).
-
-    Raises InputError when the pressures are out of order.
-    """
-    if not 0 < dbp_mmhg < sbp_mmhg:
-        raise InputError(
-            "blood pressures out of order",
-            "patient sbp_mmhg, dbp_mmhg",
-            f"{sbp_mmhg}, {dbp_mmhg}",
-            "give 0 < diastolic < systolic in mmHg",
-        )
-    return dbp_mmhg + 0.4 * (sbp_mmhg - dbp_mmhg)
 
 
 def split_by_diameter(diameters_mm, exponent):

@@ -68,7 +68,7 @@ def build(surface, tree, sizes, settings, rings, coarsening=1.0):
         if not spans:
             raise NoSpans("no stretch between branches is long, round and even enough")
         try:
-            return _assemble(surface, slicer, spans, disc, sizes, moved_ends)
+            return _assemble(surface, slicer, spans, sizes, moved_ends)
         except stitch.StitchError as error:
             places = ", ".join(
                 f"{spans[n].axis.branch.name} {spans[n].s_at_end(k):.1f} mm" for n, k in sorted(error.ends)
@@ -79,12 +79,12 @@ def build(surface, tree, sizes, settings, rings, coarsening=1.0):
     raise NoSpans(f"junctions could not be filled wherever the swept stretches end: {moved_ends[-1]}")
 
 
-def _assemble(surface, slicer, spans, disc, sizes, moved_ends):
+def _assemble(surface, slicer, spans, sizes, moved_ends):
     """LinearMesh of the spans and the junctions between them. Raises StitchError."""
     parts = _MeshBuilder(surface, slicer.normals)
     ends, cuts = [], []
     for number, span in enumerate(spans):
-        offset = parts.add_span(span, disc)
+        offset = parts.add_span(span)
         span_ends = []
         for which in (0, 1):
             if span.caps[which] is None:
@@ -153,7 +153,7 @@ class _MeshBuilder:
         self.boundary.append(triangles)
         self.region.append(np.broadcast_to(region, len(triangles)))
 
-    def add_span(self, span, disc):
+    def add_span(self, span):
         """Adds a span's lattice and returns the number of its first point."""
         lat = span.lattice
         offset = self.add_points(lat.points, lat.normals)

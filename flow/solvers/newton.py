@@ -26,8 +26,8 @@ REUSE_FOR_STEPS = 0.3
 REUSE_FOR_ESTIMATE = 0.1
 LARGEST_SHRINK_RATIO = 0.5  # accelerated steps end at a correction larger than this share of the one before
 MOST_ACCELERATED = 10  # most accelerated steps with one factorization
-# Accelerated steps end when the residual is below this share of its tolerance. The residual after a Newton step, in
-# their place, would be about as far below the tolerance.
+# Accelerated steps end when the residual is below this share of its tolerance. A Newton step in their place would leave
+# a residual about as far below the tolerance.
 RESIDUAL_MARGIN = 0.03
 
 

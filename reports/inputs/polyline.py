@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 from scipy.spatial import cKDTree
 
-from common import vtp
+from common import polyline, vtp
 from common.errors import InputError
 from reports.inputs.reading import read_array, read_polydata
 
@@ -34,17 +34,11 @@ class Polyline:
 
     def point_at(self, s_mm):
         """Points (..., 3) in mm at arc lengths s_mm (...), by linear interpolation. Beyond an end: the end point."""
-        return np.stack([np.interp(s_mm, self.s_mm, self.points[:, k]) for k in range(3)], axis=-1)
+        return polyline.point_at(self.points, self.s_mm, s_mm)
 
     def project(self, point):
         """Arc length and distance (mm) of the point of the line nearest to `point` (3,)."""
-        start, span = self.points[:-1], np.diff(self.points, axis=0)
-        squared = np.maximum(np.einsum("ij,ij->i", span, span), 1e-300)
-        t = np.clip(np.einsum("ij,ij->i", point - start, span) / squared, 0.0, 1.0)
-        distance = np.linalg.norm(start + t[:, None] * span - point, axis=1)
-        nearest = int(distance.argmin())
-        s = self.s_mm[nearest] + t[nearest] * (self.s_mm[nearest + 1] - self.s_mm[nearest])
-        return float(s), float(distance[nearest])
+        return polyline.project(self.points, self.s_mm, point)
 
 
 def read_centreline(path, branch):

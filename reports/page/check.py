@@ -30,6 +30,7 @@ BROWSER_FLAGS = (
     "--enable-logging=stderr",
     "--v=0",
 )
+WINDOW_PIXELS = "1440,900"  # width and height of the browser's window
 TIMEOUT_S = 120  # longest run of the browser
 SETTLE_MS = 4000  # virtual time of a page, enough for the 3D viewer to draw its first picture
 CONSOLE_LINE = re.compile(r":CONSOLE[:(]\d+\)?\] (.*)")
@@ -162,13 +163,10 @@ def console_messages(log):
     return [match[1].strip() for match in found if match and not DRIVER_MESSAGE.match(match[1])]
 
 
-def run_browser(path, *arguments, size="1440,900"):
-    """Runs Chromium on a file with a fresh profile; returns (standard output, log). ComputationError if it fails.
-
-    size: width and height of the window in pixels.
-    """
+def run_browser(path, *arguments):
+    """Runs Chromium on a file with a fresh profile; returns (standard output, log). ComputationError if it fails."""
     with tempfile.TemporaryDirectory() as profile:
-        command = [BROWSER, *BROWSER_FLAGS, f"--user-data-dir={profile}", f"--window-size={size}"]
+        command = [BROWSER, *BROWSER_FLAGS, f"--user-data-dir={profile}", f"--window-size={WINDOW_PIXELS}"]
         command += [f"--virtual-time-budget={SETTLE_MS}", *arguments, pathlib.Path(path).resolve().as_uri()]
         try:
             result = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
@@ -181,18 +179,18 @@ def run_browser(path, *arguments, size="1440,900"):
     return result.stdout, result.stderr
 
 
-def check_report(index, screenshots=None, size="1440,900"):
+def check_report(index, screenshots=None):
     """Checks a report by its index.html and returns the paths of its pages, the index first.
 
-    screenshots: a folder for a picture of each page, in a window of `size` pixels. Raises InputError as `read_pages`
-    does, and ComputationError for a console error or a 3D viewer that does not start.
+    screenshots: a folder for a picture of each page, WINDOW_PIXELS large. Raises InputError as `read_pages` does, and
+    ComputationError for a console error or a 3D viewer that does not start.
     """
     pages = list(read_pages(index))
     for path in pages:
         check_page(path)
         if screenshots:
             with replacing(screenshots / f"{path.stem}.png") as partial:
-                run_browser(path, f"--screenshot={partial.resolve()}", size=size)
+                run_browser(path, f"--screenshot={partial.resolve()}")
     return pages
 
 

@@ -2,7 +2,8 @@
 
 import shutil
 
-from input_cases import ROOT, input_case, module
+from input_cases import input_case, module
+from places import ROOT
 
 CASE = "cases/one.yaml"
 SURFACE = """kind: surface

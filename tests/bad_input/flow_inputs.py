@@ -3,7 +3,8 @@
 import json
 
 import tubes
-from input_cases import ROOT, input_case, module
+from input_cases import input_case, module
+from places import ROOT
 
 CASE = ROOT / "config" / "cases" / "quick_focal.yaml"
 PATIENT = ["--lvm-g", "130", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]

@@ -1,10 +1,10 @@
 """Inputs by name: a function makes each in an empty folder and returns the command that is to judge it."""
 
-import os
 import pathlib
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-BUILD = pathlib.Path(os.environ.get("VCI_BUILD_DIR", ROOT / "build"))
+from places import build_folder
+
+BUILD = build_folder()
 PYTHON = "/usr/bin/python3"
 INPUT_CASES = {}  # name: function(folder) -> command, a list
 

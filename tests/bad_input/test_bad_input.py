@@ -14,7 +14,8 @@ import image_inputs  # noqa: F401
 import plan_inputs  # noqa: F401
 import scene_inputs  # noqa: F401
 import surface_inputs  # noqa: F401
-from input_cases import INPUT_CASES, ROOT
+from input_cases import INPUT_CASES
+from places import ROOT
 
 TIMEOUT_S, MEMORY_GIB = 60, 8
 BAD_INPUT_PAGE = (ROOT / "docs" / "bad-input.md").read_text()

@@ -9,8 +9,9 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "support")]
 
+from places import build_folder  # noqa: E402
 from workflow.manifest import product_digest  # noqa: E402
 
 CASE = "quick_focal"
@@ -29,7 +30,7 @@ class Study:
         for name in listing.splitlines():
             (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, self.folder / name)
-        (self.folder / "build").symlink_to((ROOT / "build").resolve())
+        (self.folder / "build").symlink_to(build_folder().resolve())
         with open(self.folder / "config" / "cases" / f"{CASE}.yaml", "a") as stream:
             stream.write(COARSE_SETTINGS)
 

@@ -14,7 +14,8 @@ import time
 
 import pytest
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+from places import ROOT, build_folder
+
 PROFILE = ["--profile", str(ROOT / "config" / "profiles" / "slurm"), "--latency-wait", "5"]
 SMALL_WORKFLOW = """
 rule all:
@@ -177,7 +178,7 @@ def test_ctrl_c_leaves_no_job(cluster, small):
     assert left == ""
 
 
-@pytest.mark.skipif(not (ROOT / "build" / "lumen").is_file(), reason="the programs are not built: make build")
+@pytest.mark.skipif(not (build_folder() / "lumen").is_file(), reason="the programs are not built: make build")
 def test_steps_of_the_study(cluster, tmp_path):
     """A small case up to its radius correction, in one job."""
     targets = [f"results/cases/quick_focal/{name}" for name in ("vci/plan.json", "rc/anatomy/sections.csv")]
@@ -185,7 +186,7 @@ def test_steps_of_the_study(cluster, tmp_path):
     for place in ("here", "slurm"):
         folder = tmp_path / place
         subprocess.run(["git", "checkout-index", "--all", f"--prefix={folder}/"], cwd=ROOT, check=True)
-        (folder / "build").symlink_to(ROOT / "build")
+        (folder / "build").symlink_to(build_folder().resolve())
         if place == "slurm":
             assert len(cluster.run(folder, *targets, "--config", "cohort=quick")) == 1
         else:

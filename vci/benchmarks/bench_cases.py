@@ -7,8 +7,10 @@ import sys
 
 import numpy as np
 
+from common.documents import plan_reader
+from common.errors import error_summary
 from vci.benchmarks.device_shapes import ring_diameters
-from vci.benchmarks.programs import refusal_reason, run_program
+from vci.benchmarks.programs import run_program
 
 PYTHON = "/usr/bin/python3"
 DEVICES_FOLDER = "config/devices"
@@ -55,8 +57,8 @@ def first_refusal(commands, case):
     for command in commands:
         code, messages, _ = run_program(command)
         if code:
-            print(f"{case}: {refusal_reason(messages)}", file=sys.stderr)
-            return refusal_reason(messages)
+            print(f"{case}: {error_summary(messages)}", file=sys.stderr)
+            return error_summary(messages)
     return None
 
 
@@ -87,8 +89,7 @@ def run_engine_and_truth(case_file, folder, build, edit_plan=lambda plan: None):
 
 def chart_diameter(plan, device, pressure_bar):
     """Diameter in mm by the chart of a balloon, or of a stent's delivery balloon, at a pressure (bar)."""
-    entry = plan["devices"][device]
-    chart = plan["devices"][entry["balloon"]]["chart"] if "balloon" in entry else entry["chart"]
+    chart = plan_reader.inflating_balloon(plan["devices"], device)["chart"]
     return float(np.interp(pressure_bar, chart["pressure_bar"], chart["diameter_mm"]))
 
 

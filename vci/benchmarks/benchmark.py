@@ -21,8 +21,8 @@ import sys
 
 import numpy as np
 
-from common.errors import InputError, guarded
-from vci.benchmarks.programs import culotte_scene, process_lumen, refusal_reason, run_program
+from common.errors import InputError, error_summary, guarded
+from vci.benchmarks.programs import culotte_scene, process_lumen, run_program
 from vci.benchmarks.scenes import Tube, write_scene
 from vci.benchmarks.speed_figures import draw_speed
 
@@ -102,7 +102,7 @@ def run_outcome(program, scene, budget=None):
     if code == -signal.SIGXCPU:
         return {"outcome": "stopped", "reason": f"not done after {budget} CPU s", "cpu_seconds": cpu}
     if code:
-        return {"outcome": "refused", "reason": refusal_reason(messages), "cpu_seconds": cpu}
+        return {"outcome": "refused", "reason": error_summary(messages), "cpu_seconds": cpu}
     result = json.loads((out / "deployment.json").read_text())
     stages, area = result["stages"], section_areas(out)
     steps = sum(s["steps"] for s in stages)

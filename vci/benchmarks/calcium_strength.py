@@ -14,10 +14,10 @@ import sys
 
 import numpy as np
 
-from common.errors import ComputationError, guarded
+from common.errors import ComputationError, error_summary, guarded
 from vci.benchmarks import bench_cases
 from vci.benchmarks.benchmark import write_table
-from vci.benchmarks.programs import refusal_reason, run_program
+from vci.benchmarks.programs import run_program
 from vci.benchmarks.published import ARCS_DEG, STENTING_PLAN, calcified_case
 
 LENGTH_MM = 10  # length of the calcium
@@ -49,7 +49,7 @@ def expansion(build, plan, law, first_step_ms, folder):
     scene_file.write_text(json.dumps(scene))
     code, messages, _ = run_program([build / "vci", "deploy", scene_file, "--out", folder / "engine"])
     if code:
-        print(f"{law}, first step {first_step_ms} ms: {refusal_reason(messages)}", file=sys.stderr)
+        print(f"{law}, first step {first_step_ms} ms: {error_summary(messages)}", file=sys.stderr)
         return None
     stents = json.loads((folder / "engine" / "deployment.json").read_text())["stents"]
     return 100 * min(stent["expansion_index"] for stent in stents)

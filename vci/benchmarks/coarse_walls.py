@@ -21,9 +21,9 @@ import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
-from common.errors import ComputationError, guarded
+from common.errors import ComputationError, error_summary, guarded
 from vci.benchmarks.benchmark import run_outcome, section_areas, write_table
-from vci.benchmarks.programs import refusal_reason, run_program
+from vci.benchmarks.programs import run_program
 
 REFERENCE_MESHES = ((0.25, 0.28), (0.3, 0.34), (0.35, 0.4))  # edges of wall and devices, mm
 STUDY_MESH = (None, None)
@@ -65,7 +65,7 @@ def remesh_lumen(build, case, edge, folder):
     line = [build / "lumen", "process", case / "anatomy" / "lumen.vtp", "--edge", edge]
     code, messages, _ = run_program([*line, "--like", case / "anatomy" / "anatomy.json", "--out", folder])
     if code:
-        raise ComputationError("a lumen was not remeshed", case, edge, refusal_reason(messages))
+        raise ComputationError("a lumen was not remeshed", case, edge, error_summary(messages))
     return folder / "lumen.vtp"
 
 

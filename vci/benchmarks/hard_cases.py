@@ -19,9 +19,9 @@ import pathlib
 import resource
 import sys
 
-from common.errors import ComputationError, InputError, guarded
+from common.errors import ComputationError, InputError, error_summary, guarded
 from common.files import write_json
-from vci.benchmarks.programs import culotte_scene, refusal_reason, run_program
+from vci.benchmarks.programs import culotte_scene, run_program
 from vci.benchmarks.scenes import Tube, write_scene
 
 COLUMNS = "case,outcome,reason,residual,mean_penetration_mm,worst_penetration_mm,within_limits"
@@ -79,7 +79,7 @@ def result_row(case, program, scene):
     row = {"case": case, "cpu_seconds": round(cpu, 2)}
     if code:
         outcome = {2: "input refused", NO_BALANCE: "refused"}.get(code, f"failed with exit code {code}")
-        return row | {"outcome": outcome, "reason": refusal_reason(messages)}
+        return row | {"outcome": outcome, "reason": error_summary(messages)}
     result = json.loads((scene.parent / "out" / "deployment.json").read_text())
     stages = result["stages"]
     mean, worst = (max(s[key] for s in stages) for key in ("mean_penetration_mm", "max_penetration_mm"))

@@ -34,13 +34,6 @@ def run_program(command, budget=None):
     return process.returncode, messages, usage.ru_utime + usage.ru_stime
 
 
-def refusal_reason(messages):
-    """The last error message in a program's standard error, on one line and without the remedy."""
-    lines = [line.strip() for line in messages.strip().splitlines()]
-    start = max((k for k, line in enumerate(lines) if line.startswith("where:")), default=len(lines))
-    return "; ".join(line for line in lines[max(start - 1, 0) : start + 2] if not line.startswith("remedy"))
-
-
 def process_lumen(programs, surface, units, edge, out):
     """Writes the anatomy of a surface, remeshed to the edge length `edge` (mm), to the folder `out`, unless it exists.
 

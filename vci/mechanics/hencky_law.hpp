@@ -35,7 +35,6 @@ struct HenckyLaw {
   /// @param flowed whether the last step made plastic strain permanent. The elastic strain then equals the yield strain
   /// up to rounding. This flag, not rounding, decides the tangent there: plastic if true, else elastic.
   Response response_at(const Vec2& squared_stretch, bool flowed = false) const;
-  Response response(const Vec2& log_strain) const { return response_at((2 * log_strain).array().exp()); }
   bool yields_at(const Vec2& squared_stretch) const {
     return strain_squared(layer_strain(squared_stretch)) > yield_strain * yield_strain;
   }

@@ -182,7 +182,6 @@ Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& may_m
               double map_pa) {
   Wall wall{};
   const MovingPart part = moving_part(lumen, may_move, wall);
-  wall.fixed_count = static_cast<int>(std::count(part.fixed.begin(), part.fixed.end(), 1));
   const double surface_density = spec.density * (spec.intima_thickness + spec.media_thickness);
   const int body = system.add_body("wall", part.points, part.triangles, surface_density, part.fixed);
   wall.intima = add_wall_layers(system, body, part, lumen, wall, spec);

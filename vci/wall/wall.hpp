@@ -10,7 +10,6 @@ struct Wall {
   std::vector<int> lumen_vertex;   ///< for each vertex of the body, its number in the lumen
   std::vector<int> lumen_triangle; ///< for each triangle of the body, its number in the lumen
   const Layer* intima;             ///< the layer whose stretch is reported
-  int fixed_count;                 ///< number of vertices held in place at the border of the moving part
 };
 
 /// Laws of two layers that represent plaque of a thickness (mm) and modulus (MPa) on a lumen of a radius (mm). The

@@ -202,6 +202,7 @@ rule anatomy_speed:
     input:
         program=LUMEN,
         script="tests/verification/anatomy/benchmark.py",
+        shared="tests/support/places.py",
     output:
         "results/benchmarks/anatomy_speed/benchmark.csv",
     log:
@@ -227,7 +228,8 @@ rule anatomy_campaign:
                 *("campaign_steps", "campaign_styles", "campaign_truth"),
                 *("drawn_patient", "lofts", "masks", "surfaces"),
             )
-        ],
+        ]
+        + ["tests/support/places.py"],
         settings=["config/study.yaml", "config/cases/real_artery.yaml"],
         code=code("data_synthetic", "data_synthetic.draw", "data_synthetic.generate"),
         picture=code("anatomy", "anatomy.ends_picture"),
@@ -254,7 +256,7 @@ rule reference_against_solid:
         program=LUMEN,
         code=code("data_synthetic", "data_synthetic.generate", "data_synthetic.reference.checks.against_solid"),
         script="tests/verification/data_synthetic/solid_benchmark.py",
-        shared="tests/verification/data_synthetic/benchmark_case.py",
+        shared=["tests/verification/data_synthetic/benchmark_case.py", "tests/support/places.py"],
         plan=code("anatomy", "anatomy.planning.plan"),
         devices=DEVICES,
         cases=[f"config/cases/{name}.yaml" for name in ("quick_focal", "long_plaque_bench")],
@@ -280,7 +282,7 @@ rule reference_sensitivity:
         program=LUMEN,
         code=code("data_synthetic", "data_synthetic.generate", "data_synthetic.reference.checks.sensitivity"),
         script="tests/verification/data_synthetic/sensitivity_benchmark.py",
-        shared="tests/verification/data_synthetic/benchmark_case.py",
+        shared=["tests/verification/data_synthetic/benchmark_case.py", "tests/support/places.py"],
         plan=code("anatomy", "anatomy.planning.plan"),
         devices=DEVICES,
         case="config/cases/lad01.yaml",
@@ -311,7 +313,7 @@ rule reference_against_calculix:
             "data_synthetic.reference.checks.calculix_case",
         ),
         script="tests/verification/data_synthetic/calculix_benchmark.py",
-        shared="tests/verification/data_synthetic/benchmark_case.py",
+        shared=["tests/verification/data_synthetic/benchmark_case.py", "tests/support/places.py"],
         plan=code("anatomy", "anatomy.planning.plan"),
         devices=DEVICES,
         case="config/cases/lad01.yaml",

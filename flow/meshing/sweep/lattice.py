@@ -73,7 +73,7 @@ class Sections:
         for k, (origin, normal) in enumerate(zip(origins, normals)):
             cap = caps[0] if k == 0 else caps[1] if k == len(s_mm) - 1 else None
             if cap is not None:
-                found = slicer.rim_section(cap, origin, normal, e1[k], e2[k])
+                found = slicer.rim_section(cap, origin, e1[k], e2[k])
             else:
                 found = slicer.cut_section(origin, normal, e1[k], e2[k], REACH_RADII * axis.radius(s_mm[k]))
             self.sections.append(found)

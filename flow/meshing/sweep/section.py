@@ -129,7 +129,7 @@ class Slicer:
 
         return Section(origin, e1, e2, flat, self.facet_normals[facets], facets, offset, normal_at)
 
-    def rim_section(self, cap, origin, normal, e1, e2):
+    def rim_section(self, cap, origin, e1, e2):
         """Section whose loop is the rim of the cap with region id `cap`; plane as in `cut_section`."""
         in_cap, on_wall = self.surface.region == cap, self.surface.region == WALL
         _, first = np.unique(self.side[on_wall], return_index=True)

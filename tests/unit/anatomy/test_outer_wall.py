@@ -73,7 +73,7 @@ def test_the_plan_says_which_reference_it_used(diseased, families):
     remark gives both."""
     summary, sections, file = diseased
     done = proposal.propose(summary, outer_wall.with_lumen_and_plaque_reference(sections, file), families, "case")
-    reference = plan.reference_document(summary, done, by_outer_wall=True)
+    reference = plan.reference_document(done, by_outer_wall=True)
     assert reference["by"] == "outer wall"
     lesion = reference["lesions"][0]
     assert lesion["diameter_stenosis_percent"] == pytest.approx(47, abs=2)

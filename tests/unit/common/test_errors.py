@@ -2,7 +2,7 @@
 
 import pytest
 
-from common.errors import ComputationError, InputError, error_message, guarded
+from common.errors import ComputationError, InputError, error_message, error_sentence, error_summary, guarded
 
 
 @pytest.mark.parametrize("kind, code", [(InputError, 2), (ComputationError, 3)])
@@ -32,3 +32,15 @@ def test_guarded_lets_defects_through_and_returns_results():
 def test_the_last_error_of_a_log_counts_and_ends_it():
     assert error_message("error: first\n  remedy: x\nmore\nerror: last\n  remedy: y\n") == "error: last\n  remedy: y"
     assert error_message("") == ""
+
+
+def test_the_last_lines_count_in_a_log_without_an_error():
+    assert error_message("a\nb\nc\n", last_lines=2) == "b\nc"
+    assert error_summary("a\nb\nc\n") == "c" and error_summary("") == ""
+    assert error_sentence("a\nValueError: c\n") == "" == error_sentence("")
+
+
+def test_an_error_in_one_line():
+    text = "switched off: x\nerror: no balance\n  where:  stage\n  value:  residual 1\n  remedy: none\n"
+    assert error_summary(text) == "error: no balance; where:  stage; value:  residual 1"
+    assert error_sentence(text) == "no balance"

@@ -24,7 +24,7 @@ def tube(radius=lambda z: RADIUS):
 
 
 def test_distances_are_along_the_normal():
-    """A shift along the tube is none; a wider tube is further out by the difference of the radii."""
+    """A shift along the tube has a distance of 0. A wider tube is further out by the difference of the radii."""
     before, wide = tube(), tube(lambda z: 2.0)
     along = vtp.surface(vtp.points(wide) + [0, 0, 0.3], vtp.triangles(wide))
     assert coarse_walls.normal_distances(before, along, wide) == pytest.approx((0, 0), abs=1e-12)
@@ -32,7 +32,7 @@ def test_distances_are_along_the_normal():
 
 
 def test_points_at_rest_do_not_count():
-    """Half of the tube is left as it was: the other half alone is measured."""
+    """Half of the tube stays where it was. Only the other half is measured."""
     before, half = tube(), tube(lambda z: 2.0 if z < LENGTH / 2 else RADIUS)
     rms, worst = coarse_walls.normal_distances(before, tube(lambda z: 2.1 if z < LENGTH / 2 else RADIUS + 1), half)
     assert rms == pytest.approx(0.1, rel=0.05) and worst < 0.11
@@ -52,7 +52,7 @@ def test_summary_takes_the_median_time_and_the_largest_error_of_each_mesh():
 
 
 def test_errors_are_over_the_sections_that_both_runs_have():
-    """A section without an area in one run counts in neither."""
+    """A section that has no area in one of the two runs is left out of both."""
     nan = float("nan")
     errors = coarse_walls.area_errors(np.array([4.0, nan, 6.6, 2.1]), np.array([4.0, 9.0, nan, 2.0]))
     assert list(errors.values()) == pytest.approx([100 * (6.1 / 6.0 - 1), 5.0])

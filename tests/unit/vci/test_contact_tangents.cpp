@@ -1,6 +1,7 @@
 // Contact between surfaces: energy, force and stiffness of the assembled whole.
-// Normals, weights and areas are held within a step. Flat bodies that approach one another change none of them, so that
-// there the matrix must be exact, on each branch of the law; what holding them leaves out elsewhere has a bound.
+// Within a step, the normals, weights and areas of the contacts are kept constant. They do not change when flat bodies
+// approach one another, so there the matrix must be exact, on each branch of the law. For other bodies a bound of the
+// neglected part is checked.
 #include "contact_checks.hpp"
 #include <map>
 
@@ -9,8 +10,9 @@ namespace {
 using namespace vci;
 using namespace contact_checks;
 
-/// A wall in z = 0 and a device below it (nested) or above it (beside), smaller triangles, not vertex over vertex,
-/// beyond the wall's edge on one side and over a window in it.
+/// A wall in z = 0 and a device below it (nested) or above it (beside). The device's triangles are smaller, so that its
+/// vertices do not lie over the wall's. On one side it reaches beyond the wall's edge, and it covers a window of the
+/// wall.
 struct SheetPair {
   System system;
   ContactScope sides;
@@ -39,7 +41,7 @@ struct SheetPair {
     add_contact_forces(at(gap, contact), f);
     return f;
   }
-  /// How much of the surface a point's projection lies on is there, told anew from the flags.
+  /// The share of the surface that exists where a point is projected, computed independently from the flags.
   ContactFade fade_of(const ContactPoint& p) const {
     const Body& target = system.body(p.stencil.vertex[0] < 64 ? 1 : 0);
     double ends = 1, windows = 1, both = 1;
@@ -137,7 +139,7 @@ TEST(SurfaceContact, FrictionsMatrixIsExactButAlongASlideAndForThePressuresPart)
     add_slip(points, dx);
     pair.system.x = combined(start, 1, dx);
     contact.detect(pair.system, area_vectors(pair.system), then);
-    // where the surface fades, a projection that moves changes its share: held, too
+    // where the surface fades, the share changes with the projection; the matrix neglects that, too
     std::erase_if(then,
                   [&](const ContactPoint& p) { return p.stencil.vertex[0] < 64 || pair.fade_of(p).ordinary < 1; });
     std::map<int, std::pair<Vec3, StencilStiffness>> by_vertex; // on the vertex itself
@@ -157,7 +159,7 @@ TEST(SurfaceContact, FrictionsMatrixIsExactButAlongASlideAndForThePressuresPart)
     };
     for (const auto& [v, point] : here) {
       if (pair.system.body(1).boundary[v - 64] || v % 3 != 0)
-        continue; // some of them, each of which is a search anew
+        continue; // every third vertex is enough, since each takes a new search
       const Mat3 k = point.second.stiffness();
       const double size = point.second.tangential_stiffness;
       EXPECT_LT((slope(v, across) + k * across).norm(), 1e-4 * size) << v;
@@ -169,7 +171,8 @@ TEST(SurfaceContact, FrictionsMatrixIsExactButAlongASlideAndForThePressuresPart)
         EXPECT_LT(slope(v, along).norm(), 1e-4 * size) << v;
         EXPECT_NEAR(along.dot(k * along), 0.3 * size, 1e-9);
       }
-      // deeper: normal force as the matrix says; the change of friction with it, mu times that, is left out
+      // moved deeper, the normal force changes as in the matrix; the change of the friction limit, mu times that, is
+      // neglected
       const Vec3 left_out = slope(v, Vec3::UnitZ()) + k * Vec3::UnitZ();
       const double coupling = way < limit ? 0 : s.friction * point.second.normal_stiffness;
       EXPECT_NEAR(left_out.norm(), coupling, 1e-4 * point.second.normal_stiffness) << v;
@@ -198,7 +201,7 @@ void add_tube(System& system, int around, double radius, double turn, unsigned s
   system.add_body("tube", points, triangles, 1, std::vector<char>(points.size(), 0));
 }
 
-/// The part of the whole contact force's change, in random directions, that the matrix does not foresee.
+/// The part of the change of the contact force under random displacements that the matrix does not predict.
 double unpredicted_share(double overlap, const ContactSettings& settings, int& touching) {
   System system;
   add_tube(system, 18, 1.5 - overlap, 0, 1);

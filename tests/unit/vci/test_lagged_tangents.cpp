@@ -1,4 +1,4 @@
-// Where a force's matrix leaves something out, that is what it says it leaves out, and no more than a figure.
+// Some stiffness matrices neglect a term on purpose: the neglected part is the documented term, and it is bounded.
 #include "force_checks.hpp"
 #include "vci/bench/crimper.hpp"
 #include "vci/devices/stent/cell_shear.hpp"
@@ -17,7 +17,7 @@ using namespace vci;
 using namespace force_checks;
 using Eigen::MatrixXd;
 
-/// The smallest eigenvalue over the largest.
+/// The smallest eigenvalue divided by the largest.
 double least_curvature(const MatrixXd& k) {
   const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<MatrixXd>(k).eigenvalues();
   return values.minCoeff() / values.maxCoeff();

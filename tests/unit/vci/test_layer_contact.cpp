@@ -45,8 +45,8 @@ TEST(SelfContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
       return f;
     };
     EXPECT_EQ(norm(force(0.0451)), 0);
-    // rise, line, line once a layer is through the other one; no search on the way, which would face the layer that a
-    // vertex is through from its other side, too
+    // The three gaps are on the rise of the law, on its line, and on its line with one layer through the other. There
+    // is no new search between them: it would also find the crossed layer from its other side.
     for (const auto& [gap, law] : {std::pair{0.035, 0.5}, {0.01, 1.0}, {-0.006, 1.0}}) {
       constexpr double h = 1e-7, begins = 0.9 * Layers::thickness, width = 0.4 * Layers::thickness;
       const Vectors change = combined(force(gap + h), -1, force(gap - h)), f = force(gap);

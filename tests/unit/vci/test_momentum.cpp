@@ -1,4 +1,4 @@
-// A deployment's bodies left to themselves: what acts between them and within them sums to nothing.
+// The bodies of a deployment without any support: the forces between and within them sum to zero.
 #include "contact_checks.hpp"
 #include "straight_axis.hpp"
 #include "vci/devices/balloon/balloon.hpp"
@@ -17,8 +17,8 @@ using namespace vci;
 using tests::straight_frames;
 using namespace contact_checks;
 
-/// A wall without foundation, a stent and a balloon, which nothing holds: all touch, and all are strained. The pressure
-/// acts on the balloon with its tips closed by fans of triangles, and what anchors it to its shaft is taken away again.
+/// A wall without foundation, a stent and a balloon without any support; all touch, and all are strained. The balloon
+/// is under pressure, its tips closed by fans of triangles. Negative anchors cancel those that hold it to its shaft.
 struct FreeSystem {
   System system;
   Interactions touching;
@@ -71,7 +71,7 @@ struct FreeSystem {
   static constexpr double pressure = 0.8, shaft_anchor = 0.02; // MPa; N/mm, as balloon.cpp has it
 };
 
-/// Sum of forces and of their moments about the origin, over the sums of their sizes.
+/// The resultant of the forces and of their moments about the origin, each divided by the sum of the magnitudes.
 std::array<double, 2> relative_resultants(const Vectors& f, const Vectors& x) {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
   double forces = 0, moments = 0;
@@ -139,8 +139,9 @@ TEST(Momentum, ContactSumsToNothingAndTurnsByItsFrictionOverTheGapAlone) {
     add_contact_forces(points, f);
     EXPECT_GT(points.size(), 1000u);
     EXPECT_LT(relative_resultants(f, system.x)[0], 1e-14);
-    // each point's force goes through vertex and projection, which lie along the normal but for how exactly projections
-    // are found; its friction, at either side of the gap, makes a couple of at most the coefficient times force and gap
+    // The normal forces of a contact point act along the line from the vertex to its projection, within the accuracy of
+    // the projection, so they have no moment. The friction acts on both sides of the gap and forms a couple, which is
+    // at most the friction coefficient times force times gap.
     Vec3 moment = Vec3::Zero(), couples = Vec3::Zero();
     double arms = 0, friction = 0;
     for (std::size_t i = 0; i < f.size(); ++i) {
@@ -161,8 +162,8 @@ TEST(Momentum, ContactSumsToNothingAndTurnsByItsFrictionOverTheGapAlone) {
   }
 }
 
-/// What is left of the momentum, and of the angular one about the origin, after steps of h ms, over the sums of their
-/// parts' sizes; and the largest displacement in a step.
+/// The linear momentum and the angular momentum about the origin after steps of h ms, each divided by the sum of its
+/// parts' magnitudes, and the largest displacement in a step (mm). Momentum taken by damping is added back.
 std::array<double, 3> momentum_after_steps(double h, int steps, bool textbook, double damping) {
   FreeSystem free;
   System& system = free.system;
@@ -217,7 +218,7 @@ TEST(Momentum, IsKeptOverStepsToTheLinearSolvesTolerance) {
 }
 
 TEST(Momentum, AngularOneIsKeptAsStepsBecomeShort) {
-  // a linear step turns bodies along tangents: what it adds goes with its length
+  // A linear step turns bodies along tangents, which adds angular momentum in proportion to the step's length.
   const auto coarse = momentum_after_steps(0.01, 4, true, 0), fine = momentum_after_steps(0.0025, 16, true, 0);
   EXPECT_LT(fine[1], 0.5 * coarse[1]);
   EXPECT_LT(coarse[1], 2e-3);

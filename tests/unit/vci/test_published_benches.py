@@ -42,8 +42,8 @@ def stented(tmp_path):
     """A CaseOutcome: a stent on a balloon of 3.0 mm at 11 bar, 3.3 mm afterwards; engine and truth known."""
     write_tube(tmp_path / "engine/devices/stent_balloon.vtp", [0.5, 1.3, 1.4, 1.3, 0.5], spacing=2.0)
     chart = {"pressure_bar": [5, 11, 16], "diameter_mm": [2.9, 3.0, 3.1]}
-    devices = {"b": {"chart": chart}, "s": {"balloon": "b", "length_mm": 5}}
-    devices["post"] = {"chart": {"pressure_bar": [10, 20], "diameter_mm": [3.2, 3.4]}}
+    devices = {"b": {"kind": "balloon", "chart": chart}, "s": {"kind": "stent", "balloon": "b", "length_mm": 5}}
+    devices["post"] = {"kind": "balloon", "chart": {"pressure_bar": [10, 20], "diameter_mm": [3.2, 3.4]}}
     procedure = [
         {"name": "stent", "action": "stent", "devices": [{"device": "s", "pressure_bar": 11}]},
         {"name": "post", "action": "postdilatation", "devices": [{"device": "post", "pressure_bar": 15}]},

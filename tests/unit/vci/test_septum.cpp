@@ -140,7 +140,7 @@ TEST(Septum, BranchesThatTouchHaveNone) {
 }
 
 TEST(Septum, ASingleBranchHasNone) {
-  Plates plates(1.1); // may be the two shoulders of one steep lesion
+  Plates plates(1.1); // facing walls of one branch may be the two shoulders of a steep lesion
   std::fill(plates.branch.begin(), plates.branch.end(), 7);
   EXPECT_TRUE(plates.elements().empty());
   plates.branch.clear();

@@ -1,4 +1,4 @@
-// What is taken of steps that follow one another badly, on made-up iterations whose ends are known.
+// The damping of steps that jump to and fro, on made-up iterations whose limits are known.
 #include "vci/solver/step_relaxation.hpp"
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@ namespace {
 
 using namespace vci;
 
-/// Every vertex at x steps by rate x: it goes to 0 alone where rate is between -2 and 0.
+/// Each vertex at x makes a step of rate x. Undamped, it converges to 0 only for rates between -2 and 0.
 Vectors steps_of(const Vectors& x, const std::vector<double>& rate) {
   Vectors dx(x.size());
   for (std::size_t i = 0; i < x.size(); ++i)
@@ -14,7 +14,7 @@ Vectors steps_of(const Vectors& x, const std::vector<double>& rate) {
   return dx;
 }
 
-/// Where 200 vertices get to in so many steps; vertex 7 steps by its own rate.
+/// The positions of 200 vertices after `steps` steps; vertex 7 has its own rate.
 Vectors positions_after(int steps, double rate_of_one, double rate_of_others, bool damps) {
   Vectors x(200, Vec3(0.001, 0, 0)), last;
   x[7] = Vec3(0.1, 0.05, 0);

@@ -77,7 +77,7 @@ TEST(SurfaceContact, FindsOnTheWayWhatItWouldFindAnew) {
   EXPECT_GT(most, 100u);
 }
 
-/// A tube through one with a window, whose rows of 12 vertices are its rings.
+/// A tube inside one with a window. The outer tube has rings of 12 vertices.
 struct WindowedTubes {
   System system;
   std::vector<char> window, rim;
@@ -97,7 +97,7 @@ struct WindowedTubes {
     normals = area_vectors(system);
     SurfaceContact(1, 0, {}, {true, {}, window, rim}).detect(system, normals, found);
   }
-  /// How much of the surface is there where a point of the second tube meets it: of an end's row, of a window's.
+  /// The shares of the surface that remain where a point is projected: next to an end, and next to a window.
   std::array<double, 2> remaining_shares(const ContactPoint& p) const {
     std::array<double, 2> remaining_shares{1, 1};
     for (int k = 1; k < 4; ++k) {

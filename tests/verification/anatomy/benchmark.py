@@ -15,14 +15,18 @@ import sys
 import tempfile
 from math import cos, sin
 
-LUMEN = pathlib.Path(__file__).resolve().parents[3] / "build" / "lumen"
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+from places import build_folder  # noqa: E402
+
+LUMEN = build_folder() / "lumen"
 FOUR_BRANCHES = [
     ((0, 0, 0), (40, 0, 0), 1.7, 1.4),
     ((10, 0, 0), (10 + 9 * cos(1.0), 0, 9 * sin(1.0)), 0.9, 0.8),
     ((18, 0, 0), (18 + 10 * cos(0.9), 10 * sin(0.9), 0), 1.0, 0.9),
     ((29, 0, 0), (29 + 8 * cos(1.0), 0, -8 * sin(1.0)), 0.8, 0.7),
 ]
-TRIANGLES_AT_02 = 38000  # of the tree at 0.2 mm grid spacing; they grow as its inverse square
+# of the tree at a grid spacing of 0.2 mm; their number grows with the inverse square of the spacing
+TRIANGLES_AT_02 = 38000
 COARSEST = 130000  # triangles taken from a grid; more are made by splitting each into four
 
 

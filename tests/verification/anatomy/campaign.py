@@ -28,12 +28,15 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT))
 import campaign_steps  # noqa: E402  (takes the study's settings from the repository)
 
+from common.errors import error_message  # noqa: E402
+from places import build_folder  # noqa: E402
+
 COLUMNS = ["patient", "style", "outcome", "step", "cpu_s", "ends", "ends_expected", "lesion_mm", "lesion_percent"]
 COLUMNS += ["false_stubs", "reason"]
 
 
 def run(command, seconds=600):
-    """(exit code, last lines of standard error, CPU seconds) of a command in the repository."""
+    """(exit code, error message or last line of standard error, CPU seconds) of a command in the repository."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     try:
         done = subprocess.run([str(c) for c in command], cwd=ROOT, text=True, capture_output=True, timeout=seconds)
@@ -42,9 +45,8 @@ def run(command, seconds=600):
         code, text = -1, f"longer than {seconds} s"
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    errors = [k for k, line in enumerate(lines) if "error:" in line]
-    return code, " ".join(lines[errors[-1] :] if errors else lines[-1:]), round(cpu, 1)
+    lines = [line.strip() for line in error_message(text, last_lines=1).splitlines() if line.strip()]
+    return code, " ".join(lines), round(cpu, 1)
 
 
 def draw(count, seed, folder):
@@ -148,7 +150,7 @@ def main():
         default=2,
         help="patients whose surfaces go on to the volume mesh, the real surfaces with them; 0: anatomy alone",
     )
-    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
+    parser.add_argument("--build", type=pathlib.Path, default=build_folder())
     parser.add_argument("--out", type=pathlib.Path, required=True)
     options = parser.parse_args()
     build = options.build.resolve()

@@ -1,12 +1,12 @@
 """The campaign beyond the anatomy: plan, deployment and volume mesh of a case; the real surfaces of the shared data."""
 
-import os
 import pathlib
 import sys
 
-from workflow.configuration import Configuration
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+from places import ROOT, public_data  # noqa: E402
+from workflow.configuration import Configuration  # noqa: E402
 
-ROOT = pathlib.Path(__file__).resolve().parents[3]
 SETTINGS_OF = "real_artery"  # whose settings are the study's own
 REAL = {  # file of the shared data: its ends, by its source
     "dfemtoolz_case4_artery.stl": 2,
@@ -27,8 +27,8 @@ CASE += "lumen: {{path: {path}, units: mm}}\nplan: auto\n"
 
 def real_surfaces():
     """[(path, number of ends)] of those that are there."""
-    folder = pathlib.Path(os.environ.get("VCI_DATA_DIR", ROOT.parent / "shared" / "data"))
-    return [(folder / name, ends) for name, ends in REAL.items() if (folder / name).is_file()]
+    found = {name: public_data(name) for name in REAL}
+    return [(path, REAL[name]) for name, path in found.items() if path]
 
 
 def steps_of(case, folder, build):

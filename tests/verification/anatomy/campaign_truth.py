@@ -7,7 +7,7 @@ import numpy as np
 from drawn_patient import STENOSIS_PERCENT
 
 LARGEST_DISTANCE_MM = 1.0
-LEAST_LESION_PERCENT = 30.0  # per cent by diameter: milder ones are not looked for
+LEAST_LESION_PERCENT = 30.0  # per cent by diameter; milder lesions are ignored
 STYLES_WITHOUT_CAPS = ("mask .35", "label .35", "rounded", "noise .05", "noise .02")  # styles that do not keep the caps
 STUB_WARNINGS = (
     "stub left closed",
@@ -17,7 +17,8 @@ STUB_WARNINGS = (
 
 
 def compare(patient, style, folder):
-    """(what is wrong, or empty; ends found; distance of the lesion in mm; its error in points of per cent)."""
+    """(what is wrong, or an empty text; number of ends found; distance of the lesion in mm; its error in percentage
+    points)."""
     found = json.loads((folder / "anatomy.json").read_text())
     expected = patient.ends()
     wrong, off_mm, off_percent = [], "", ""
@@ -56,7 +57,8 @@ def false_stubs(folder):
 
 
 def stated_error_percent(lesion):
-    """Points of per cent that a diameter stenosis may be off by what the anatomy says of the lesion's smallest area."""
+    """Error in percentage points of a diameter stenosis that the anatomy's stated error of the lesion's smallest area
+    allows."""
     wider = 1 / np.sqrt(1 - lesion["mla_error_percent"] / 100) - 1
     return wider * (100 - lesion["diameter_stenosis_percent"])
 

@@ -10,12 +10,16 @@ import os
 import pathlib
 import resource
 import subprocess
+import sys
 
 import masks
 import numpy as np
 import surfaces
 
-LUMEN = pathlib.Path(__file__).resolve().parents[3] / "build" / "lumen"
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+from places import build_folder  # noqa: E402
+
+LUMEN = build_folder() / "lumen"
 SECONDS, MEMORY_GIB = 20, 4
 HEADER = 400  # bytes in which half of the mutations fall: headers are where readers go astray
 NUMBERS = [

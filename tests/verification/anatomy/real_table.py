@@ -69,7 +69,7 @@ def row_of(surface, ends, folder, build):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build", type=pathlib.Path, default=campaign.ROOT / "build")
+    parser.add_argument("--build", type=pathlib.Path, default=campaign.build_folder())
     parser.add_argument("--out", type=pathlib.Path, required=True)
     options = parser.parse_args()
     rows = []

@@ -26,11 +26,10 @@ def shipped(repo_root):
 
 
 def tables_of(shared_data, name):
-    folder = shared_data / "aivus" if name == "aivus" else shared_data / "multimoda" / name
-    if not folder.is_dir():
-        pytest.skip(f"{folder} is absent (see SOURCES.md)")
-    files = {"lumen": folder / "diastolic_contours.csv", "landmarks": folder / "diastolic_reference_points.csv"}
-    return {**files, **({key: folder / file for key, file in FULL.items()} if name == "ivus_full" else {})}
+    folder = "aivus" if name == "aivus" else f"multimoda/{name}"
+    files = {"lumen": "diastolic_contours.csv", "landmarks": "diastolic_reference_points.csv"}
+    files |= FULL if name == "ivus_full" else {}
+    return {key: shared_data(f"{folder}/{file}") for key, file in files.items()}
 
 
 def area_across(surface, z):
@@ -75,7 +74,7 @@ def test_areas_of_the_lofted_lumen_are_the_contours(shared_data, tmp_path, name)
 
 @pytest.mark.parametrize("name", PULL_BACKS[:4])
 def test_published_areas_are_reproduced(shared_data, tmp_path, name):
-    published = shared_data / "multimoda" / "areas_diastole.csv"
+    published = shared_data("multimoda/areas_diastole.csv")
     files = tables_of(shared_data, name)
     rows = [row for row in csv.DictReader(published.open()) if row["pullback"] == name]
     found = run.run(files, tmp_path)["frames"]
@@ -205,9 +204,7 @@ def test_changes_from_frame_to_frame_are_kept(binary, repo_root, shared_data, tm
 def test_a_pull_back_on_a_ct_centreline(repo_root, shared_data, tmp_path):
     """Centreline and pull-back are of different patients. But the line bends like a coronary, and the sections must
     keep their areas."""
-    centreline = shared_data / "multimoda" / "lca_cl.vtp"
-    if not centreline.is_file():
-        pytest.skip(f"{centreline} is absent (see SOURCES.md)")
+    centreline = shared_data("multimoda/lca_cl.vtp")
     placement_settings = {"centreline": centreline, "line": 2, "proximal_s_mm": 60.0}
     document = run.run(shipped(repo_root), tmp_path, placement_settings=placement_settings)
     straight = run.run(shipped(repo_root), tmp_path / "straight")

@@ -50,9 +50,7 @@ def check(before, after, result):
 
 
 def test_a_surface_of_the_shared_data(shared_data, binary, run, tmp_path):
-    surface = shared_data / "multimoda" / "ivus_prestent_lumen_straight_mm.stl"
-    if not surface.is_file():
-        pytest.skip(f"{surface} is absent (see SOURCES.md)")
+    surface = shared_data("multimoda/ivus_prestent_lumen_straight_mm.stl")
     check(*deployed(run, surface, tmp_path, binary, "auto"))
 
 

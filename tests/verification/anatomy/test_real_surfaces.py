@@ -18,7 +18,7 @@ def process(binary, shared_data, tmp_path_factory):
     def run(name, *options):
         if (name, *options) not in done:
             out = tmp_path_factory.mktemp(name.replace("/", "_"))
-            surface = shared_data / f"{name}.stl"
+            surface = shared_data(f"{name}.stl")
             command = [str(lumen), "process", str(surface), "--units", "mm", *options, "--out", str(out)]
             result = subprocess.run(command, text=True, capture_output=True)
             assert result.returncode == 0, result.stderr
@@ -97,7 +97,7 @@ def test_bifurcation_with_three_open_ends(process):
 
 def test_a_closed_stub_is_told(binary, shared_data):
     """A closed side branch of 2.7 mm is left as wall, with a warning."""
-    surface = shared_data / "multimoda" / "rca_tree_mm.stl"
+    surface = shared_data("multimoda/rca_tree_mm.stl")
     command = [str(binary("lumen")), "check", str(surface), "--units", "mm"]
     done = subprocess.run(command, text=True, capture_output=True)
     assert done.returncode == 0, done.stderr
@@ -134,7 +134,7 @@ def test_a_widened_tree_has_no_folds(binary, shared_data, tmp_path, widened_mm, 
     """A real tree is widened at one place and processed like a deployed lumen. Formerly the widening of a narrow corner
     elsewhere laid two triangles onto each other, and the volume mesh had a sliver."""
     lumen, before = str(binary("lumen")), tmp_path / "before"
-    surface = shared_data / "dbihar" / "721A_lumen_derived_mm.stl"
+    surface = shared_data("dbihar/721A_lumen_derived_mm.stl")
     subprocess.run(
         [lumen, "process", str(surface), "--units", "mm", "--out", str(before)], check=True, capture_output=True
     )
@@ -165,7 +165,7 @@ def reference_of(binary, surface, out, *options):
 def test_the_reference_of_an_irregular_vessel_hardly_depends_on_its_mesh(binary, shared_data, tmp_path):
     """No 4 mm of this artery follow one line, and it has a funnel at the inlet and an ectasia. Formerly a line through
     these two made all the rest a lesion of 74 %, at some spacings of the sections or with some noise."""
-    surface = shared_data / "dbihar" / "721A_lumen_derived_mm.stl"
+    surface = shared_data("dbihar/721A_lumen_derived_mm.stl")
     reader = surfaces.vtk.vtkSTLReader()
     reader.SetFileName(str(surface))
     reader.Update()

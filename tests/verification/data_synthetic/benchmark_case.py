@@ -6,7 +6,9 @@ import pathlib
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+from places import ROOT, build_folder  # noqa: E402
+
 PYTHON = [sys.executable, "-m"]
 
 
@@ -20,7 +22,7 @@ def grow_and_plan(case, folder):
     """(plan.json, truth.json) of a synthetic case, made in `folder`."""
     source, anatomy, plan = folder / "source", folder / "anatomy", folder / "vci" / "plan.json"
     run(*PYTHON, "data_synthetic", "generate", case, "--out", source)
-    run(ROOT / "build" / "lumen", "process", source / "lumen.vtp", "--units", "mm", "--out", anatomy)
+    run(build_folder() / "lumen", "process", source / "lumen.vtp", "--units", "mm", "--out", anatomy)
     run(*PYTHON, "anatomy", "plan", case, "--anatomy", anatomy, "--devices", ROOT / "config/devices", "--out", plan)
     return plan, source / "truth.json"
 

@@ -7,7 +7,7 @@ at the outlet.
 
 import numpy as np
 import ufl
-from dolfinx import fem, mesh
+from dolfinx import fem, geometry, mesh
 from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -15,6 +15,16 @@ from petsc4py import PETSc
 from common import fenicsx
 
 FRACTIONS = (0.1, 0.25, 0.5, 0.65, 0.8, 0.9, 1.0)
+
+
+def containing_cells(domain, points):
+    """Index (n,) of the first cell found that contains each of points (n, 3), in the domain's unit."""
+    if hasattr(geometry, "bb_tree"):  # FEniCSx 0.9
+        candidates = geometry.compute_collisions_points(geometry.bb_tree(domain, domain.topology.dim), points)
+    else:  # FEniCSx 0.5
+        candidates = geometry.compute_collisions(geometry.BoundingBoxTree(domain, domain.topology.dim), points)
+    colliding = geometry.compute_colliding_cells(domain, candidates, points)
+    return np.array([colliding.links(k)[0] for k in range(len(points))], np.int32)
 
 
 def _graded(length, throat, count):
@@ -191,4 +201,4 @@ class Tube:
 
     def _on_axis(self, s_mm):
         point = np.array([[s_mm * 1e-3, 1e-7, 0.0]])
-        return float(self.state.sub(1).eval(point, fenicsx.containing_cells(self.domain, point))[0])
+        return float(self.state.sub(1).eval(point, containing_cells(self.domain, point))[0])

@@ -8,8 +8,6 @@ import axisymmetric
 import fda_nozzle
 import numpy as np
 
-from common import fenicsx
-
 ENDS = np.cumsum([0.0, fda_nozzle.INLET_MM, fda_nozzle.CONE_MM, fda_nozzle.THROAT_MM, fda_nozzle.OUTLET_MM])
 WIDTHS = (fda_nozzle.RADIUS, fda_nozzle.RADIUS, fda_nozzle.THROAT, fda_nozzle.THROAT)  # radius of the core at ENDS
 GRADING = (0.0, 0.0, -3.0, 4.5)  # of the cells between ENDS: log of the last over the first
@@ -51,7 +49,7 @@ class Nozzle(axisymmetric.Tube):
         """(velocity along the axis (n,) in m/s, pressure (n,) in Pa) at s_mm (n,), r_mm from the axis."""
         points = np.zeros((len(s_mm), 3))
         points[:, 0], points[:, 1] = 1e-3 * np.asarray(s_mm), 1e-3 * r_mm
-        cells = fenicsx.containing_cells(self.domain, points)
+        cells = axisymmetric.containing_cells(self.domain, points)
         return self.state.sub(0).eval(points, cells)[:, 0], self.state.sub(1).eval(points, cells)[:, 0]
 
     def solve(self, flow):

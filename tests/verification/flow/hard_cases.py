@@ -26,6 +26,8 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "unit" / "flow"), str(pathlib.Pa
 import axisymmetric  # noqa: E402
 import tubes  # noqa: E402
 
+from common.errors import error_summary  # noqa: E402
+
 PA_PER_MMHG = 133.322
 MAP, VENOUS, FLOW = 93 * PA_PER_MMHG, 5 * PA_PER_MMHG, 200e-6 / 60  # Pa, Pa, m3/s at hyperaemia
 RADIUS, EDGE = 1.6, 0.4  # mm
@@ -214,7 +216,7 @@ def run(name, folder):
                 [sys.executable, "-m", "flow", *command], cwd=folder, stderr=log, stdout=log, env=environment
             )
         if done.returncode != 0:
-            reason = (folder / f"{command[0]}.log").read_text().strip().splitlines()[-1]
+            reason = error_summary((folder / f"{command[0]}.log").read_text())
             return {"case": name, "outcome": f"{command[0]} refused, exit {done.returncode}: {reason}"}
     answer = json.loads((folder / "ffr.json").read_text())
     return {"case": name, "outcome": answer["status"], **answer_columns(answer), **reference_columns(name, answer)}

@@ -7,7 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from vci.benchmarks.hard_cases import CASE_NAMES, CASES, MEAN_LIMIT_MM, WORST_LIMIT_MM, refusal_reason
+from vci.benchmarks.hard_cases import CASE_NAMES, CASES, MEAN_LIMIT_MM, WORST_LIMIT_MM
 from vci.benchmarks.scenes import Tube, write_scene
 
 TOLERANCE = 3e-3
@@ -111,11 +111,6 @@ def test_a_refusal_is_a_row_with_its_reason(binary, run_module, tmp_path):
         row = list(csv.DictReader(file))[-1]
     assert row["outcome"] == "refused" and "predilatation / deployment-to-contact" in row["reason"]
     assert row["minimal_area_mm2"] == ""
-
-
-def test_reason_is_the_last_message():
-    text = "switched off: x\nerror: no balance\n  where:  stage\n  value:  residual 1\n  remedy: none\n"
-    assert refusal_reason(text) == "error: no balance; where:  stage; value:  residual 1"
 
 
 @pytest.mark.parametrize("curvature", [0, 0.12, 0.3])

@@ -40,7 +40,6 @@ struct WingSection {
   std::vector<Vec2> back, belly; ///< points after the valley's end, up to the crest where both paths meet, mm
   Vec2 root;                     ///< the valley's end at which the back begins, mm
   double opening;                ///< angle from the belly's end to the back's end, rad; 0 if the ring is closed
-  double wrap;                   ///< angle that the belly covers, rad
 };
 
 /// The wing whose back and belly have these numbers of edges.
@@ -64,7 +63,6 @@ WingSection wing_section(const FoldingSpec& f, int back, int belly, double edge,
   const double crest_of_back = walk(top, s.root, -sector_angle, back, s.back);
   const double crest_of_belly = walk(bottom, polar_point(root, 0), 0, belly, s.belly);
   s.opening = crest_of_back - crest_of_belly;
-  s.wrap = crest_of_belly;
   return s;
 }
 
@@ -103,13 +101,12 @@ int valley_edges(const FoldingSpec& f, int per_wing, double edge) {
 
 FoldedSection folded_section(const FoldingSpec& f, int ring_size, double edge) {
   const int per_wing = ring_size / f.wings, valley = valley_edges(f, per_wing, edge);
-  FoldedSection section{{}, 1e300, 0, 0};
+  FoldedSection section{{}, 1e300, 0};
   if (valley == 0)
     return section;
   const int back = (per_wing + valley) / 2, belly = (per_wing - valley) / 2;
   const WingSection s = wing_section(f, back, belly, edge, closing_radius(f, back, belly, edge));
   section.points.resize(ring_size);
-  section.wrap_angle = s.wrap;
   for (int wing = 0; wing < f.wings; ++wing) {
     const Eigen::Rotation2Dd turn(2 * pi * wing / f.wings);
     const auto put = [&](int k, const Vec2& p) {

@@ -14,7 +14,6 @@ struct FoldedSection {
   /// Vertices (mm), counterclockwise, equally far apart; first the middle of a valley. Empty: too few edges for wings.
   std::vector<Vec2> points;
   double inner_radius, outer_radius; ///< distances of the nearest and the furthest vertex from the axis, mm
-  double wrap_angle;                 ///< angle that a wing covers, rad
 };
 /// @param ring_size number of vertices, a multiple of twice the number of wings
 /// @param edge distance between neighbouring vertices, mm

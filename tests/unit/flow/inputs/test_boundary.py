@@ -16,16 +16,6 @@ from flow.physics import ffr, viscosity
 from flow import settings as settings_module
 
 
-def test_mean_arterial_pressure():
-    assert boundary.mean_arterial_pressure_mmhg(120, 80) == pytest.approx(96.0)
-
-
-@pytest.mark.parametrize("sbp, dbp", [(80, 120), (80, 80), (120, 0)])
-def test_pressures_out_of_order_are_refused(sbp, dbp):
-    with pytest.raises(InputError, match="diastolic"):
-        boundary.mean_arterial_pressure_mmhg(sbp, dbp)
-
-
 def test_hyperaemic_flow():
     # 0.71 * 150^0.75 = 30.4 mL/min at rest, for a mass of 150 g
     expected = 0.71 * np.exp(0.75 * np.log(150)) / 0.16
