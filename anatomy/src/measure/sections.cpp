@@ -84,8 +84,9 @@ private:
 
 // A section's outline in the plane, closed across the mouths of other branches. The axis is the origin.
 // in_mouth: for each point of the loop, whether it lies on the wall of another branch or of a stub; inscribed: mm,
-// radius of the ball there. Across a mouth the outline follows the conic that fits the rest of it. A wide mouth leaves
-// the conic ill determined. So its radius is at least that of the ball, and at most the largest of the rest.
+// radius of the ball there. Across a mouth the outline follows the conic that fits the rest of it. The wall flares
+// towards a mouth, which widens the conic there. So its radius is at most that of the wall on the opposite side. It is
+// at least that of the ball.
 std::vector<Vec2> close_mouths(std::vector<Vec2> loop, std::vector<bool> in_mouth, double inscribed) {
   if (signed_area(loop) < 0) {
     std::reverse(loop.begin(), loop.end());
@@ -103,12 +104,10 @@ std::vector<Vec2> close_mouths(std::vector<Vec2> loop, std::vector<bool> in_mout
   in_mouth.push_back(false);
   std::vector<Vec2> wall;
   std::vector<double> angles;
-  double largest = inscribed;
   for (std::size_t i = 0; i + 1 < loop.size(); ++i)
     if (!in_mouth[i] && !in_mouth[i + 1]) {
       wall.push_back(0.5 * (loop[i] + loop[i + 1]));
       angles.push_back(std::abs(turn(loop[i], loop[i + 1])));
-      largest = std::max(largest, loop[i].norm());
     }
   const FittedConic conic(wall, angles);
   std::vector<Vec2> closed;
@@ -123,7 +122,7 @@ std::vector<Vec2> close_mouths(std::vector<Vec2> loop, std::vector<bool> in_mout
       const Vec2 edge = closed.back().normalized();
       for (double angle = arc_step; angle < width; angle += arc_step) {
         const Vec2 d = Eigen::Rotation2Dd(angle) * edge;
-        closed.push_back(std::clamp(conic.radius(d), inscribed, largest) * d);
+        closed.push_back(std::max(inscribed, std::min(conic.radius(d), ray_length(wall, Vec2::Zero(), -d))) * d);
       }
     }
     width = 0;

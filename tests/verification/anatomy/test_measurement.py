@@ -235,6 +235,21 @@ def test_an_oval_vessel_at_its_mouths(process, tmp_path, axis):
     assert len(ratio) > 6 and abs(ratio.mean() - 1) < 0.02 and np.abs(ratio - 1).max() < 0.05
 
 
+def test_rounded_mouths_of_side_branches(process, run_module, tmp_path):
+    """Their wall flares towards the parent. The flare must not widen the ellipse that closes the section."""
+    generated = run_module("data_synthetic", "generate", "config/cases/lad01.yaml", "--out", tmp_path)
+    assert generated.returncode == 0, generated.stderr
+    _, rows = process(tmp_path / "lumen.vtp", tmp_path / "out", "--units", "mm")
+    ratios = []
+    for branch in json.loads((tmp_path / "truth.json").read_text())["branches"][1:]:
+        mouth = [row for row in rows if row["branch"] == branch["name"] and row["flag"] == "ostium"]
+        centres = np.array([[float(row[f"{axis}_mm"]) for axis in "xyz"] for row in mouth]).reshape(-1, 3)
+        away = np.linalg.norm(centres[:, None] - np.array(branch["points_mm"]), axis=2)
+        radius = np.array(branch["radius_mm"])[away.argmin(axis=1)]
+        ratios.extend(column(mouth, "area_mm2", "ostium") / (np.pi * radius**2))
+    assert len(ratios) > 6 and 0.98 < np.mean(ratios) < 1.03 and max(ratios) < 1.06
+
+
 def test_earlier_names_are_kept(process, tmp_path):
     surface = surfaces.write(tmp_path / "tree.vtp", *surfaces.tree(TREE))
     summary, _ = process(surface, tmp_path / "pre", "--inlet", "40,0,0")
