@@ -8,7 +8,7 @@ from snakemake.common import Mode
 from snakemake.exceptions import WorkflowError
 
 from common.errors import UserError
-from common.states import CT_IMAGED_STATES
+from common.patient.states import CT_IMAGED_STATES
 from workflow.configuration import COARSE_MESHES, Configuration
 from workflow.failed import cases_of_failed_arms, without_failed
 from workflow.half_maximum import ARM_STATES, HalfMaximum

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from common.plaque_types import FIBROUS, LIPID
+from common.patient.plaque_types import FIBROUS, LIPID
 
 PLAQUE_TYPES = {"fibrous": FIBROUS, "lipid": LIPID}
 

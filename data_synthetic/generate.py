@@ -9,7 +9,7 @@ from common.errors import ComputationError, InputError
 from common.files import write_json
 from common.implicit import surface
 from common.implicit.field import LumenField
-from common.plaque_types import CALCIFIED, NONE
+from common.patient.plaque_types import CALCIFIED, NONE
 
 from . import crossings, patient, tree, truth
 

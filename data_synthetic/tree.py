@@ -9,7 +9,7 @@ from common.errors import InputError
 from common.implicit.cut import reach_of_cut
 from common.implicit.curves import SAMPLE_MM, Curve, curve_from_curvatures
 from common.implicit.field import open_ends
-from common.plaque_types import FIBROUS
+from common.patient.plaque_types import FIBROUS
 
 from . import healthy_radius, disease
 

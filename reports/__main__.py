@@ -6,7 +6,7 @@ import sys
 
 from common.errors import InputError, guarded
 from common.files import write_json, write_table
-from common.states import STATES
+from common.patient.states import STATES
 from reports.inputs.case_files import SEGMENTATION_ARMS, CaseFiles
 from reports.inputs.reading import read_failed, read_json
 

@@ -15,7 +15,7 @@ import dataclasses
 import numpy as np
 
 from common.errors import InputError
-from common.states import STATES
+from common.patient.states import STATES
 from flow.geometry.centreline import Branch
 from flow.reduced import flow_range, network
 from whatif.case import BEFORE, PLANNED

@@ -5,7 +5,7 @@ This arm makes the comparison in CT a second time, with lumens segmented at half
 
 import json
 
-from common.states import CT_PRE, CT_STATES
+from common.patient.states import CT_PRE, CT_STATES
 
 ARM_NAME = "half_maximum"  # the method of segmentation, and the arm's folder in a case's folder
 ARM_STATES = (CT_PRE, *CT_STATES)  # states whose lumens the arm makes itself

@@ -5,7 +5,7 @@ import pathlib
 import shlex
 
 from common.documents import config
-from common.states import CT_IMAGED_STATES, CT_PRE, STATES, TRUE_STATES, states_of
+from common.patient.states import CT_IMAGED_STATES, CT_PRE, STATES, TRUE_STATES, states_of
 
 ANATOMY_STATES = (*STATES, CT_PRE)  # states with an anatomy folder: the values of {state} in the rules
 CENTRELINE_OPTIONS = {

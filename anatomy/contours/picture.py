@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib import pyplot as plt
 
-from common.plaque_types import CALCIFIED, LIPID
+from common.patient.plaque_types import CALCIFIED, LIPID
 
 from .. import picture_file
 

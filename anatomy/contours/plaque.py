@@ -5,7 +5,7 @@ from matplotlib.path import Path
 from scipy.spatial import cKDTree
 
 from common.errors import InputError
-from common.plaque_types import CALCIFIED, FIBROUS, LIPID
+from common.patient.plaque_types import CALCIFIED, FIBROUS, LIPID
 
 from . import outer_wall, rings
 from .reading.outlines import centroid
@@ -99,7 +99,7 @@ def healthy_wall_mm(distance, setting="auto"):
 
 
 def plaque_types(frame, ring):
-    """Type (n,) of plaque (common/plaque_types.py) behind each point of a frame's ring (n, 2), whatever its thickness.
+    """Type (n,) of plaque behind each point of a frame's ring (n, 2), whatever its thickness (common.patient.plaque_types).
 
     A ray runs from the lumen's centroid through the point. The point gets the type of a traced region (calcium, lipid)
     that the ray meets outside the lumen. The region's depth does not matter, since the stiffest layer carries the load

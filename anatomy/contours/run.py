@@ -8,7 +8,7 @@ import numpy as np
 from common import vtp
 from common.errors import InputError
 from common.files import write_json
-from common.plaque_types import CALCIFIED, NONE
+from common.patient.plaque_types import CALCIFIED, NONE
 
 from . import frame_placement, line, loft, outer_wall, picture, plaque, pullback, rings, warnings
 

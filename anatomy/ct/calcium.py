@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from common.plaque_types import CALCIFIED, NONE
+from common.patient.plaque_types import CALCIFIED, NONE
 
 REACH_MM, STEP_MM = 2.5, 0.05  # length and step of the ray behind the wall on which calcium is measured
 

@@ -3,7 +3,7 @@
 import os
 import sys
 
-from common.blood_pressure import mean_arterial_pressure_mmhg
+from common.patient.blood_pressure import mean_arterial_pressure_mmhg
 from common.documents import config
 from common.errors import InputError
 from common.files import write_json

@@ -1,4 +1,4 @@
-#include "common/vtp_arrays.hpp"
+#include "common/vtk/vtp_arrays.hpp"
 
 #include <algorithm>
 #include <cstring>

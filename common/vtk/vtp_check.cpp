@@ -1,6 +1,6 @@
-#include "common/vtp_check.hpp"
+#include "common/vtk/vtp_check.hpp"
 #include "common/error.hpp"
-#include "common/vtp_arrays.hpp"
+#include "common/vtk/vtp_arrays.hpp"
 
 #include <array>
 #include <cstring>

@@ -12,7 +12,7 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
 from common.errors import InputError
-from common.plaque_types import CALCIFIED, LIPID
+from common.patient.plaque_types import CALCIFIED, LIPID
 from common.volume import SIGMA_PER_FWHM, Image
 
 SLAB_LAYERS = 8  # number of voxel layers rendered at once, to limit the memory

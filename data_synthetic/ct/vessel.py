@@ -22,7 +22,7 @@ class Vessel:
 
     pieces: closed surfaces (points (n, 3) mm, triangles (m, 3)). The first piece is the lumen; one prism for each end
     follows. tissue_points_mm (k, 3): points on the walls of all pieces. plaque_mm (k,), plaque_type (k,): thickness and
-    type (common.plaque_types) of the plaque behind each of these points.
+    type (common.patient.plaque_types) of the plaque behind each of these points.
     """
 
     pieces: list

@@ -7,7 +7,8 @@ import time
 import numpy as np
 from scipy.integrate import trapezoid
 
-from common import plaque_types, vtp
+from common import vtp
+from common.patient import plaque_types
 from common.documents import config
 from common.errors import InputError
 from common.files import write_json

@@ -13,7 +13,7 @@ network of the vessel before the intervention passes it. The exponent 2.55 and t
 
 import math
 
-from common.blood_pressure import mean_arterial_pressure_mmhg
+from common.patient.blood_pressure import mean_arterial_pressure_mmhg
 from common.documents import json_reader, schema
 from common.errors import InputError
 from flow.inputs import hyperaemia, wire

@@ -3,7 +3,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from common.states import COMPARISONS, TRUE_STATES
+from common.patient.states import COMPARISONS, TRUE_STATES
 from reports.study.agreement import QUANTITIES, paired_values, published_results
 from reports.study.bland_altman import bland_altman
 from reports.study.differences import compared_pairs

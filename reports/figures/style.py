@@ -1,4 +1,4 @@
-"""One style for all figures. The line styles, colours and labels of the states come from common/states.py."""
+"""One style for all figures. The line styles, colours and labels of the states come from common/patient/states.py."""
 
 import matplotlib
 
@@ -6,7 +6,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend must be chosen first)
 
 from common.files import replacing  # noqa: E402
-from common.states import MEASURED, TABLE  # noqa: E402
+from common.patient.states import MEASURED, TABLE  # noqa: E402
 
 COLOURS = {state.name: state.colour for state in TABLE}
 LINE_STYLES = {state.name: state.line_style for state in TABLE}

@@ -4,7 +4,7 @@ import dataclasses
 import pathlib
 
 from common.errors import InputError
-from common.states import CT_STATES, PREDICTED_FROM_CT, STATES
+from common.patient.states import CT_STATES, PREDICTED_FROM_CT, STATES
 from reports.inputs.reading import entry, number, read_json
 
 SEGMENTATION_ARMS = ("half_maximum",)  # further segmentations of the CT volumes; each has a folder in the case's folder

@@ -6,7 +6,7 @@ import numpy as np
 
 from common.documents.config import load_case
 from common.errors import ComputationError, InputError
-from common.states import COMPARISONS, CT_IMAGED_STATES, STATES
+from common.patient.states import COMPARISONS, CT_IMAGED_STATES, STATES
 from reports.measuring.curvature import mean_over_length
 from reports.measuring.device_readouts import case_kind, deployment_summary, lesion_summary, patient_summary
 from reports.measuring.device_readouts import lumen_warnings, procedure_summary, reference_summary

@@ -1,7 +1,7 @@
 """FFR measured in the patient by a pressure wire, and the computed FFR at the wire's sensor."""
 
 from common.errors import InputError
-from common.states import MEASURED
+from common.patient.states import MEASURED
 from reports.inputs.reading import read_json
 
 FFR_THRESHOLD = 0.80  # at or below it a lesion is treated (ESC/EACTS guidelines on myocardial revascularisation)

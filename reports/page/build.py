@@ -7,7 +7,7 @@ import jinja2
 import markupsafe
 
 from common.files import sha256
-from common.states import PREDICTED_FROM_CT, STATES
+from common.patient.states import PREDICTED_FROM_CT, STATES
 from reports.study.agreement import published_results
 from reports.study.bland_altman import sample_sd
 from reports.study.differences import COHORT_ROW_NAME

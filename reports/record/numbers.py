@@ -3,7 +3,7 @@
 import pandas as pd
 
 from common.files import sha256
-from common.states import STATES
+from common.patient.states import STATES
 from reports.inputs.reading import require_file, read_json
 from reports.page.evidence import evidence_rows, read_test_results
 from reports.study.agreement import published_results

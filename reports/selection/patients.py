@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from common.states import TRUE_STATES
+from common.patient.states import TRUE_STATES
 from reports.inputs.reading import number
 from reports.measuring.pressure_wire import FFR_THRESHOLD
 from reports.study.cohort import describe_procedure

@@ -9,7 +9,7 @@ import pathlib
 
 import pandas as pd
 
-from common.states import COMPARISONS, MEASURED
+from common.patient.states import COMPARISONS, MEASURED
 from reports.study.bland_altman import Agreement, bland_altman
 from reports.study.inclusion import patient_groups
 from reports.measuring.pressure_wire import same_decision_share, wire_pair

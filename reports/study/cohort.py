@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from common.states import STATES
+from common.patient.states import STATES
 
 PATIENT_KEYS = ("lvm_g", "sbp_mmhg", "dbp_mmhg", "map_pa", "q_hyperaemic_ml_per_min")
 LESION_KEYS = ("branch", "diameter_stenosis_percent", "area_stenosis_percent", "mla_mm2", "reference_diameter_mm")

@@ -4,7 +4,7 @@ import math
 
 import pandas as pd
 
-from common.states import PREDICTED_FROM_PRE, TRUE_STATES
+from common.patient.states import PREDICTED_FROM_PRE, TRUE_STATES
 from reports.inputs.reading import number
 from reports.study.agreement import QUANTITIES, UNITS
 from reports.study.nearer import flow_error

@@ -7,7 +7,7 @@ station, for each patient and over the cohort.
 import numpy as np
 import pandas as pd
 
-from common.states import AFTER_PCI, COMPARISONS, PREDICTED
+from common.patient.states import AFTER_PCI, COMPARISONS, PREDICTED
 from reports.study.bland_altman import sample_sd
 from reports.study.inclusion import patient_groups
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import wilcoxon
 
-from common.states import AFTER_PCI, COMPARISONS
+from common.patient.states import AFTER_PCI, COMPARISONS
 from reports.study.agreement import QUANTITIES, UNITS, largest_estimate, paired_values
 from reports.study.inclusion import patient_groups
 

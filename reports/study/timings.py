@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from common.states import PREDICTED_FROM_CT, STATES
+from common.patient.states import PREDICTED_FROM_CT, STATES
 from reports.inputs.reading import number, read_json
 
 COLUMNS = ["case", "step", "source", "seconds", "cpu_s", "peak_memory_mib"]

@@ -7,7 +7,8 @@ import numpy as np
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk
 
-from common import plaque_types, vtp
+from common import vtp
+from common.patient import plaque_types
 
 # Compliance of all balloons: the chart's pressures (bar), increase of the diameter (% per bar), nominal pressure (bar).
 COMPLIANCE = (np.array([2, 4, 6, 8, 10, 12, 14, 16, 18, 22, 26]), 1.1, 8.0)

@@ -1,6 +1,6 @@
 #include "app/vtk_output.hpp"
 #include "common/error.hpp"
-#include "common/vtk_writing.hpp"
+#include "common/vtk/writing.hpp"
 #include <cerrno>
 #include <unistd.h>
 #include <vtkCellArray.h>

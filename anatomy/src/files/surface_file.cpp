@@ -1,6 +1,6 @@
 #include "files/surface_file.hpp"
 #include "common/error.hpp"
-#include "common/vtp_check.hpp"
+#include "common/vtk/vtp_check.hpp"
 #include "files/obj_check.hpp"
 #include "files/ply_check.hpp"
 #include "mask/mask_file.hpp"

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from common import plaque_types
+from common.patient import plaque_types
 
 
 @dataclass(frozen=True)

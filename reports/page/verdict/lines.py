@@ -1,6 +1,6 @@
 """The lines of the verdict."""
 
-from common.states import TRUE_STATES
+from common.patient.states import TRUE_STATES
 from reports.page.verdict.warnings import no_warning_text, warning_groups
 from reports.page.verdict.words import count_patients, difference, errors_text, ffr_around, ffr_computed, join, mean_ffr
 from reports.page.verdict.words import named_errors, plural, significant, tested_errors

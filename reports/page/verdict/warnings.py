@@ -1,6 +1,6 @@
 """Warnings that put a patient's result in doubt."""
 
-from common.states import TRUE_STATES
+from common.patient.states import TRUE_STATES
 from reports.figures.style import SHORT_LABELS
 from reports.measuring.stent_edges import RUPTURE_STRETCH
 from reports.page.verdict.words import ffr_computed, significant

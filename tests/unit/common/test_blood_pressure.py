@@ -2,7 +2,7 @@
 
 import pytest
 
-from common.blood_pressure import mean_arterial_pressure_mmhg
+from common.patient.blood_pressure import mean_arterial_pressure_mmhg
 from common.errors import InputError
 
 

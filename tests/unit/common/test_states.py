@@ -1,9 +1,9 @@
-"""common/states.py: the table of states names each once, and the comparisons and the documentation name the same."""
+"""The table of states names each once, and the comparisons and the documentation name the same."""
 
 import pathlib
 import re
 
-from common.states import COMPARISONS, MEASURED, STATES, TABLE, states_of
+from common.patient.states import COMPARISONS, MEASURED, STATES, TABLE, states_of
 
 DESIGN = pathlib.Path(__file__).resolve().parents[3] / "docs" / "design.md"
 

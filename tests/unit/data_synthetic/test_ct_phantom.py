@@ -6,7 +6,7 @@ from scipy.special import ndtr
 from common import vtp
 from common.documents import config, schema
 from common.errors import InputError
-from common.plaque_types import CALCIFIED, FIBROUS, LIPID, NONE
+from common.patient.plaque_types import CALCIFIED, FIBROUS, LIPID, NONE
 from common.documents.yaml_reader import read
 from data_synthetic.ct import phantom, vessel
 

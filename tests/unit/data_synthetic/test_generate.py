@@ -8,7 +8,7 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
 from common.errors import InputError
-from common.plaque_types import CALCIFIED, FIBROUS, LIPID, NONE
+from common.patient.plaque_types import CALCIFIED, FIBROUS, LIPID, NONE
 from data_synthetic import __main__ as command
 from common.implicit import field, surface
 from data_synthetic import disease, generate, tree, truth

@@ -4,7 +4,7 @@ import html.parser
 
 import pytest
 
-from common.states import PREDICTED_FROM_CT
+from common.patient.states import PREDICTED_FROM_CT
 from reports.figures.style import LABELS, SHORT_LABELS
 from reports.page.build import environment
 from reports.study.agreement import published_results

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from common.blood_pressure import mean_arterial_pressure_mmhg
+from common.patient.blood_pressure import mean_arterial_pressure_mmhg
 from common.documents import config, schema
 from data_synthetic import draw, patient, tree
 from flow import settings

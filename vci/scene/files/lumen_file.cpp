@@ -1,6 +1,6 @@
 #include "vci/scene/files/lumen_file.hpp"
 #include "common/error.hpp"
-#include "common/vtk_writing.hpp"
+#include "common/vtk/writing.hpp"
 #include "vci/scene/files/reading.hpp"
 
 #include <vtkCellArray.h>

@@ -1,5 +1,5 @@
 #include "vci/scene/files/reading.hpp"
-#include "common/vtp_check.hpp"
+#include "common/vtk/vtp_check.hpp"
 
 #include <vtkLogger.h>
 #include <vtkNew.h>
