@@ -99,7 +99,7 @@ def healthy_wall_mm(distance, setting="auto"):
 
 
 def plaque_types(frame, ring):
-    """Type (n,) of plaque behind each point of a frame's ring (n, 2), whatever its thickness (common.patient.plaque_types).
+    """Type (n,) of plaque (common.patient.plaque_types) behind each point of a frame's ring (n, 2), at any thickness.
 
     A ray runs from the lumen's centroid through the point. The point gets the type of a traced region (calcium, lipid)
     that the ray meets outside the lumen. The region's depth does not matter, since the stiffest layer carries the load
