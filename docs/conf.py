@@ -30,7 +30,7 @@ include_patterns = [
     "config/patients/*/README.md",
 ]
 # The README of a source folder is for those who read the sources, so it is no page of the site.
-source_folders = ["anatomy/src", "vci/*/README.md", "vci/*/*/README.md", "reports/page/three/README.md"]
+source_folders = ["anatomy/src", "common/vtk", "vci/*/README.md", "vci/*/*/README.md", "reports/page/three/README.md"]
 exclude_patterns = ["build*", "results", "data", ".git", ".snakemake", "tests", *source_folders]
 myst_heading_anchors = 4
 myst_enable_extensions = ["dollarmath"]
