@@ -1,4 +1,4 @@
-"""Study, cases and devices in YAML: values, keys, tags, names; and unusual ones that are allowed."""
+"""Study, cases and devices in YAML with bad values, keys, tags or names, and unusual ones that are allowed."""
 
 import shutil
 
@@ -14,7 +14,10 @@ lumen: {path: data/vessel.stl, units: mm}
 
 
 def study(folder, case=None, name=CASE):
-    """A folder like config/ with one case, the shipped quick_focal unless its text is given, and all devices."""
+    """Makes a folder like config/ with all devices and one case; returns the command that validates it.
+
+    The case is the shipped quick_focal, or the text `case`.
+    """
     config = folder / "config"
     shutil.copytree(ROOT / "config" / "devices", config / "devices")
     (config / "cases").mkdir()
@@ -25,7 +28,7 @@ def study(folder, case=None, name=CASE):
 
 
 def edited(folder, old, new, file=CASE):
-    """As `study`, with one text of a file replaced; it must be there."""
+    """The command of `study` after one text of a file was replaced; the text must occur in the file."""
     command = study(folder)
     path = folder / "config" / file
     text = path.read_text()
@@ -221,7 +224,7 @@ def _(folder):
     return study(folder, SURFACE.replace("lvm_g: 130", "hyperaemic_inflow_ml_per_min: 2.3"))
 
 
-# unusual, but allowed
+# Inputs that are unusual, but allowed.
 
 ALLOWED = {
     "a description of markup, quotes and an emoji": (

@@ -1,4 +1,4 @@
-"""Contour tables of a pull-back: of another program, damaged, doubtful; and unusual ones."""
+"""Contour tables of a pull-back that are foreign, damaged or doubtful, and unusual ones that are accepted."""
 
 import gzip
 
@@ -28,7 +28,7 @@ def contours(folder, content, *options, name="lumen.csv"):
 
 
 def closed(table, frame):
-    """The rows of one frame, the first one again at the end."""
+    """The rows of one frame, with the first row repeated at the end."""
     of_frame = [row for row in table if row[0] == frame]
     return [*of_frame, of_frame[0]]
 
@@ -39,7 +39,7 @@ def spots():
 
 
 def calcium(folder, content):
-    """The lumen in an outer wall, with this table of calcium."""
+    """`anatomy contours` of the lumen with an outer wall and with a calcium table of this content."""
     (folder / "outer.csv").write_text(text(rows(radius=2.2)))
     (folder / "calcium.csv").write_text(content)
     return contours(folder, text(rows()), "--outer-wall", folder / "outer.csv", "--calcium", folder / "calcium.csv")
@@ -203,7 +203,7 @@ def _(folder):
     return contours(folder, text(rows()), "--landmarks", folder / "marks.csv", "--landmark-point", "1", "2", "3")
 
 
-# unusual, but pull-backs
+# Inputs that are unusual, but valid pull-backs.
 
 
 @input_case("two deposits of calcium, numbered in a fifth column")

@@ -1,4 +1,4 @@
-"""What flow, the plan and the generator read: an anatomy's summary, boundary values, patients."""
+"""Inputs of the flow commands, the plan and the generator: an anatomy's summary, boundary values, patients."""
 
 import json
 
@@ -17,7 +17,7 @@ def anatomy(folder):
 
 
 def boundary(folder, *more, patient=PATIENT, change=None):
-    """`flow boundary` of the tube, whose summary was changed: change(document)."""
+    """`flow boundary` of the tube; change(document): alters the tube's anatomy.json first."""
     path = anatomy(folder / "anatomy")
     if change:
         document = json.loads(path.read_text())

@@ -1,4 +1,4 @@
-"""Inputs by name: a function makes each in an empty folder and returns the command that is to judge it."""
+"""Inputs by name. For each a function makes the input in an empty folder and returns the command to run on it."""
 
 import pathlib
 
@@ -10,7 +10,7 @@ INPUT_CASES = {}  # name: function(folder) -> command, a list
 
 
 def input_case(name):
-    """Decorator: the function makes the input of this name; each name is used once."""
+    """Decorator that registers a function as the maker of the input of this name; each name is used once."""
 
     def register(make):
         assert name not in INPUT_CASES, name
@@ -21,7 +21,7 @@ def input_case(name):
 
 
 def lumen(command, surface, *options):
-    """`lumen check` or `lumen process`, with out beside the surface for what it would write."""
+    """`lumen check` or `lumen process` of a surface. Results of `process` would go to the folder out beside it."""
     out = ["--out", pathlib.Path(surface).parent / "out"] if command == "process" else []
     return [BUILD / "lumen", command, surface, *options, *out]
 

@@ -1,4 +1,4 @@
-"""What reads a plan.json, and the case of which `whatif` varies the plan."""
+"""Inputs of the commands that read a plan.json, and of `whatif`, which varies the plan of a case."""
 
 import json
 
@@ -22,7 +22,7 @@ LENGTH_MM, PATIENT = 40.0, {"lvm_g": 150, "sbp_mmhg": 120, "dbp_mmhg": 80}
 
 
 def written(path, document):
-    """`path`, with this document as JSON in it."""
+    """Writes a document as JSON (a text as it is) to `path`, which is returned."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(document if isinstance(document, str) else json.dumps(document))
     return path

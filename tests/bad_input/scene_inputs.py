@@ -10,7 +10,7 @@ TUBE = scenes.Tube(length=16, edge=1.2, lesion_length=6)
 
 
 def scene(folder, change=None, command="deploy", text=None, out="out"):
-    """`vci deploy` of a small scene whose document was changed: change(document)."""
+    """`vci deploy`, or another command, of a small scene. change(document) alters its document, text(file) its file."""
     path = scenes.write_scene(folder / "case", TUBE, length=6.0, numerics={"device_edge_mm": 1.2})
     document = json.loads(path.read_text())
     if change:
@@ -20,7 +20,7 @@ def scene(folder, change=None, command="deploy", text=None, out="out"):
 
 
 def setting(*keys, value):
-    """change(document) that puts a value at a place."""
+    """A change(document) that sets the value at these keys."""
 
     def change(document):
         node = document
@@ -142,7 +142,7 @@ def _(folder):
     return scene(folder, setting("procedure", 0, "name", value="Vordehnung für 1 und 2"))
 
 
-# unusual, but done
+# Inputs that are unusual, but valid scenes.
 
 
 @input_case("a scene in a folder with blanks, quotes and an umlaut")

@@ -1,4 +1,4 @@
-"""docs/bad-input.md: every input of its tables ends as the page says, by the programs themselves."""
+"""docs/bad-input.md lists bad and unusual inputs. Each is given to its program, which must answer as the page says."""
 
 import os
 import re
@@ -22,7 +22,7 @@ BAD_INPUT_PAGE = (ROOT / "docs" / "bad-input.md").read_text()
 
 
 def table_rows(columns):
-    """[(cells)] of the page's tables with so many columns, without their heads."""
+    """[(cell, ...)] of the rows of the page's tables that have this number of columns, without their heads."""
     lines = [line for line in BAD_INPUT_PAGE.splitlines() if line.startswith("| ")]
     cells = [[cell.strip().replace("\\|", "|") for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines]
     return [tuple(row) for row in cells if len(row) == columns and row[0] not in ("Input", "---")]
@@ -32,7 +32,7 @@ REFUSED, ACCEPTED = table_rows(4), table_rows(3)
 
 
 def backticked(cell):
-    """What stands in backticks."""
+    """The texts in backticks of a cell."""
     found = re.findall(r"`([^`]+)`", cell)
     assert found, f"nothing in backticks: {cell}"
     return found
@@ -44,7 +44,7 @@ def limit_memory():
 
 
 def run_input_case(name, program, folder):
-    """(CompletedProcess, files that are new in the folder) of the command that judges an input."""
+    """Makes an input and runs its command; returns (CompletedProcess, files that the command left in the folder)."""
     command = [str(word) for word in INPUT_CASES[name](folder)]
     words = (
         " ".join(command).replace("/usr/bin/python3 -m ", "").replace(f"{command[0]} ", f"{command[0].split('/')[-1]} ")

@@ -1,4 +1,4 @@
-"""A copy of the repository with all products of the quick cohort, up to date for Snakemake but made without computing.
+"""A copy of the repository with all products of the quick cohort. They are stand-ins, but up to date for Snakemake.
 
 A test changes one file of such a copy. A dry run then tells which jobs Snakemake would run again, and why.
 """
@@ -13,8 +13,8 @@ import pytest
 
 SNAKEMAKE = "/usr/bin/snakemake"
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-# The rules that show or record a case's results: they run again when any of its figures or plans is new, since seconds,
-# commands and the revision are a part of the study's record.
+# The rules that show or record a case's results. They run again after any new figure or plan, because the study records
+# seconds, commands and the revision.
 RECORD = {"timings", "seconds", "software", "provenance", "numbers", "report", "crate"}
 FOLDERS = ("devices", "frames", "assets", "cases", "data", "figures")  # names of the rules' outputs that are folders
 NOT_COPIED = shutil.ignore_patterns(

@@ -1,4 +1,4 @@
-"""A bad value in the configuration is refused before any work, with file, line, key, value and what is allowed."""
+"""A bad value in the configuration is refused before any work. The message names the file, key, value and limits."""
 
 import pytest
 
@@ -6,7 +6,7 @@ STUDY, DEVICE, CASE = "config/study.yaml", "config/devices/semi_compliant.yaml",
 
 
 def refusal(workspace, **options):
-    """What a run that must be refused prints; nothing may have been made."""
+    """Messages of a run that must be refused. The run must leave no results."""
     run = workspace.snakemake(**options)
     assert run.returncode != 0
     assert not (workspace.folder / "results").exists()

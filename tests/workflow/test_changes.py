@@ -1,4 +1,4 @@
-"""A change re-runs exactly what depends on it."""
+"""After a change of a file Snakemake plans exactly the jobs that depend on this file."""
 
 import os
 import time
@@ -26,35 +26,41 @@ CASE = "quick_focal"
 OTHER_CASE = "quick_branch"
 FROM_CT = ("ct_vci", "ct_rc")
 STATES = ("pre", "vci", "rc", "reference", "ct", *FROM_CT)
-STATES_WITH_START = ("rc", "reference", "ct", *FROM_CT)  # their flows start from that of `vci`
+STATES_WITH_START = ("rc", "reference", "ct", *FROM_CT)  # the flows of these states start from the flow of `vci`
 ANATOMY_RULES = ("state_anatomy", "half_maximum_anatomy")  # of lumens found in CT
 
 
 def whatif_jobs(case):
-    """What follows a change of a case's lumens, procedure or flow beside its metrics."""
+    """Jobs beside the metrics that follow a change of a case's lumens, procedure or flow."""
     jobs = {f"other_plans {case}", f"flow_sensitivity {case}", f"sensitivity_figure {case}"}
     return jobs | {f"half_maximum_ffr {case}"} | arm_metrics_jobs(case)
 
 
 def arm_metrics_jobs(case):
-    """What follows a change of the lumens at half maximum, or of those that they are compared with."""
+    """Jobs that follow a change of the lumens at half maximum, or of the lumens that they are compared with."""
     return {f"half_maximum_metrics {case}", "half_maximum_agreement"}
 
 
 def final_jobs(case):
-    """What follows any change of a case's results."""
+    """Jobs that follow any change of a case's results."""
     return {f"metrics {case}", f"case_figures {case}", f"ct_figure {case}"} | STUDY_RULES
 
 
 def flow_jobs(case, states=STATES):
-    """Mesh and solution of the states; the flows of the others start from that of the prediction."""
+    """Jobs that mesh and solve the states, with their what-if jobs.
+
+    If `vci` is among the states, the flows that start from its flow are solved again too.
+    """
     solved = {*states, *STATES_WITH_START} if "vci" in states else states
     meshed = {f"flow_mesh {case} {state}" for state in states}
     return meshed | {f"flow_solve {case} {state}" for state in solved} | whatif_jobs(case)
 
 
 def ct_jobs(case, states=("pre", "reference")):
-    """The CT of the states; the reference's is a state of its own, `ct`, and from that before all is predicted anew."""
+    """Jobs for the CT of the states.
+
+    The lumen from the CT of `reference` is the state `ct`. From the CT of `pre` the whole prediction is made anew.
+    """
     rules = ("ct_phantom", "ct_segment", "half_maximum_segment")
     jobs = {f"{rule} {case} {state}" for rule in rules for state in states}
     if "pre" in states:
@@ -65,20 +71,20 @@ def ct_jobs(case, states=("pre", "reference")):
 
 
 def ct_prediction_jobs(case):
-    """Everything that follows a new plan, or a new lumen, in the CT before the procedure."""
+    """Jobs that follow a new plan or a new lumen in the CT before the procedure."""
     rules = ("carry_plan", "ct_scene", "half_maximum_carry_plan", "half_maximum_scene")
     return {f"{rule} {case}" for rule in rules} | ct_deployment_jobs(case)
 
 
 def ct_deployment_jobs(case):
-    """Everything that follows a new scene or program for the lumen of the CT before the procedure."""
+    """Jobs that follow a new scene or program for the lumen of the CT before the procedure."""
     rules = ("ct_deploy", "ct_radius_correct", "half_maximum_deploy", "half_maximum_radius_correct")
     jobs = {f"{rule} {case}" for rule in rules} | flow_jobs(case, FROM_CT)
     return jobs | {f"{rule} {case} {state}" for rule in ANATOMY_RULES for state in FROM_CT}
 
 
 def jobs_after_plan(case):
-    """Everything that follows a new scene."""
+    """Jobs that follow a new plan."""
     after = ("vci", "rc", "reference")
     deformed = {
         f"plan_picture {case}",
@@ -99,7 +105,7 @@ def jobs_after_plan(case):
 
 
 def jobs_after_anatomy(case):
-    """Everything that follows a new lumen before the procedure."""
+    """Jobs that follow a new lumen before the procedure."""
     first = {f"anatomy_picture {case}", f"plan {case}", f"boundary {case}"}
     return first | flow_jobs(case, ["pre"]) | ct_jobs(case) | jobs_after_plan(case)
 
@@ -162,7 +168,7 @@ def test_device_of_a_plan(finished):
 
 
 def test_description_of_a_case(finished):
-    """The metrics quote a case's description, for the report; nothing is computed from it."""
+    """The metrics quote a case's description for the report. No other result depends on it."""
     finished.edit(f"config/cases/{CASE}.yaml", "description: ", "description: Renamed. ")
     assert finished.planned_rules() == final_jobs(CASE)
 
@@ -191,7 +197,7 @@ def test_vessel_of_a_case(finished):
     ],
 )
 def test_section_of_a_case(finished, section, key, rules):
-    """One section of the settings, of one case alone."""
+    """A change of one section of one case's settings."""
     finished.append(f"config/cases/{CASE}.yaml", f"  {section}:\n    {key}\n")
     expected = {rule.format(CASE) for rule in rules} | final_jobs(CASE)
     assert finished.planned_rules() == expected | (flow_jobs(CASE) if section == "flow" else arm_metrics_jobs(CASE))
@@ -217,7 +223,7 @@ def test_numerics_of_the_deployment_leave_the_reference_alone(finished):
 
 
 def test_a_pruned_patient_runs_nothing_again(finished):
-    """A finished patient of a cohort keeps no surfaces and meshes; its metrics do not ask for them."""
+    """Pruning removes the surfaces and meshes of a finished patient. Its metrics must not be made again for that."""
     metrics = f"results/cases/{CASE}/metrics.json"
     assert (finished.folder / f"results/cases/{CASE}/flow/vci/mesh.msh").exists()
     prune_results(finished.folder / f"results/cases/{CASE}")

@@ -30,9 +30,8 @@ def expand(path):
 
 
 def test_results_page_matches_the_rules(fresh, repo_root):
-    """Synthetic cases have a reference and CT, the real pair has contours and the lumen after its procedure.
-
-    The cohort contrast has radius correction by the stents alone.
+    """Three cohorts together have every product. The synthetic cases of `quick` have a reference and CT. The cases of
+    `real` have contours and a lumen after the procedure. `contrast` has radius correction by the stents alone.
     """
     made = set()
     for job in [job for cohort in ("quick", "real", "contrast") for job in fresh.planned_jobs(cohort=cohort)]:

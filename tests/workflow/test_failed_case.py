@@ -1,4 +1,4 @@
-"""A case that fails takes no other down: `make study` makes the page of the others, which says what failed."""
+"""If a case fails, `make study` still makes the page of the other cases. The page says which case failed."""
 
 import os
 import stat
@@ -17,7 +17,10 @@ exit 1
 
 
 def make_study(study, command):
-    """`make study` whose Snakemake is a stand-in with one step, `command`; (the run, arguments of each Snakemake)."""
+    """Runs `make study` with a stand-in for Snakemake that has one step, `command`.
+
+    Returns (the finished run, [arguments of each run of Snakemake]).
+    """
     program = study.folder / "snakemake.sh"
     program.write_text(SNAKEMAKE % command)
     program.chmod(program.stat().st_mode | stat.S_IXUSR)

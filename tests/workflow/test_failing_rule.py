@@ -1,4 +1,4 @@
-"""A failing rule shows the end of its log, stops what depends on it, and leaves no product."""
+"""A failing rule shows the end of its log and leaves no product."""
 
 import subprocess
 

@@ -1,4 +1,4 @@
-"""What Snakemake plans: whole cohorts, single targets, single cases; no product of two rules."""
+"""The jobs that Snakemake plans for whole cohorts, single targets and single cases."""
 
 import collections
 import graphlib
@@ -71,7 +71,7 @@ def test_an_audit_in_time_is_made_only_when_asked_for(fresh):
     ],
 )
 def test_a_target_that_cannot_be_made_is_named(fresh, shared_data, target, words):
-    """An unknown case; the reference of a user's own, whose truth nobody knows."""
+    """The targets are of an unknown case, and the reference of a user's own surface, which has no truth."""
     environment = {"VCI_DATA_DIR": str(shared_data("dfemtoolz_case4_artery.stl").parent)}.items()
     run = fresh.snakemake("--dry-run", f"results/cases/{target}", environment=environment)
     text = run.stdout + run.stderr
@@ -79,7 +79,7 @@ def test_a_target_that_cannot_be_made_is_named(fresh, shared_data, target, words
 
 
 def test_benchmarks_stand_apart_and_feed_the_report(finished):
-    """The study plans none of them; what they leave makes the report again, and nothing else."""
+    """The study plans no benchmark. After a benchmark only the report and the crate are made again."""
     names = {"deployment_speed", "deployment_baseline", "deployment_hard_cases", "deployment_sensitivity"}
     names |= {"deployment_against_published"}
     names |= {
@@ -101,7 +101,7 @@ def test_benchmarks_stand_apart_and_feed_the_report(finished):
     table.parent.mkdir(parents=True)
     table.write_text("case,ffr\nsharp bend,0.89\n")
     assert finished.planned_rules() == {"report", "crate"}
-    os.utime(table, (1e9, 1e9))  # older than the code that made it, as after an update
+    os.utime(table, (1e9, 1e9))  # now the table is older than the benchmark's code, as after an update
     assert finished.planned_rules() == {"report", "crate"}
 
 
@@ -153,7 +153,8 @@ def test_a_case_without_ct_has_none(fresh):
 
 
 def test_lumens_at_half_maximum_only_where_the_study_finds_them_otherwise(fresh):
-    """And only that arm is left out where a step of it failed."""
+    """Lumens at half maximum are a second arm, unless the study's own method is half maximum. If a step of this arm
+    failed for a case, only this arm is left out."""
     failed = {"failed": [{"case": "quick_branch", "step": "half_maximum/deploy"}]}
     (fresh.folder / "failed.json").write_text(json.dumps(failed))
     planned = fresh.planned_rules(more=["failed=failed.json"])
@@ -186,7 +187,8 @@ def test_shipped_cohorts_are_complete(fresh, cohort):
 
 
 def test_a_real_patient_after_the_procedure_is_a_state(fresh, tmp_path):
-    """A post lumen from a file, in its own frame first; FFR of it and of the states before, beside the wire's."""
+    """The lumen after the procedure is read from a file and registered to the lumen before. Then it is processed and
+    solved as the state `post`."""
     (tmp_path / "before.stl").write_text("solid")
     (tmp_path / "after.stl").write_text("solid")
     (fresh.folder / "config/cases/patient.yaml").write_text(
@@ -217,13 +219,13 @@ def test_contours_after_the_procedure_are_compared_by_their_areas(fresh):
 
 @pytest.mark.parametrize("cohort", ["nine", "hard", "real"])
 def test_groups_of_the_slurm_profile_never_wait_for_their_own_steps(fresh, cohort):
-    """A step outside a group may not stand between two steps of that group: neither could ever start."""
+    """If a step outside a group stood between two steps of the group, neither job could ever start."""
     profile = yaml.safe_load((fresh.folder / "config/profiles/slurm/config.yaml").read_text())
     groups = dict(entry.split("=") for entry in profile["groups"])
     jobs = fresh.planned_jobs(cohort=cohort)
     makers = {file: k for k, job in enumerate(jobs) for file in job["output"]}
     before = {k: {makers[file] for file in job["input"] if file in makers} for k, job in enumerate(jobs)}
-    whole = {k: k for k in before}  # a job's group, by its first job
+    whole = {k: k for k in before}  # union-find: leads from a job to the job that stands for its group
 
     def first(k):
         return k if whole[k] == k else first(whole[k])

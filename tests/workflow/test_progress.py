@@ -1,4 +1,4 @@
-"""What a run prints of its progress, and of the cases it was asked for; how one goes on after a kill."""
+"""Messages of a run about its progress and its cases, and how a user goes on after a kill or a failure."""
 
 import subprocess
 
@@ -8,7 +8,7 @@ TARGETS = [f"results/cases/quick_focal/settings/{section}.json" for section in (
 
 
 def make(study, *arguments):
-    """`make` in the study's folder; what `make build` makes is there already."""
+    """Runs `make` in the study's folder, where the products of `make build` exist already."""
     command = ["make", "--old-file=build", *arguments]
     return subprocess.run(command, cwd=study.folder, text=True, capture_output=True)
 

@@ -1,6 +1,6 @@
-"""The finished report of the quick cohort: opens from disk without console error or network, and shows what it must.
+"""The finished report of the quick cohort opens from disk without console errors or network, and is complete.
 
-VCI_REPORT names the report; without it the test is skipped, since making it takes minutes.
+The environment variable VCI_REPORT names the report. Without it the tests are skipped, since the study takes minutes.
 """
 
 import csv
@@ -47,7 +47,8 @@ def test_hands_out_the_data_of_every_figure_and_table(report):
 
 
 def test_nine_patients_stay_within_15_mb(report):
-    """The largest patient counts nine times, and the study's own files grow as the patients do."""
+    """The size for nine patients is estimated: nine times the larger case, and the study's own files grow with the
+    number of patients."""
     files = [path for path in report.parent.rglob("*") if path.is_file()]
     sizes = {path: path.stat().st_size for path in files}
     of_case = {case: sum(sizes[path] for path in files if path.name.startswith(case)) for case in CASES}
@@ -62,7 +63,7 @@ def test_names_the_provenance_by_its_hash(report):
 
 
 def test_numbers_stand_behind_the_page(report):
-    """The agreement covers both cases, and its rows are numbers."""
+    """The rows of agreement.csv cover both cases."""
     with open(report.parents[1] / "study" / "agreement.csv", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert rows

@@ -1,4 +1,4 @@
-"""What the report's pages tell to ask Snakemake for is a product of a rule."""
+"""The report's pages name a Snakemake target under each figure and table. Each of these targets has a rule."""
 
 import pytest
 

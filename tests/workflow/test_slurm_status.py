@@ -1,4 +1,4 @@
-"""What the Slurm profile's status script says of a job, with and without accounting."""
+"""The status that the Slurm profile's script prints for a job, with and without accounting."""
 
 import os
 import pathlib
@@ -13,7 +13,7 @@ NO_ACCOUNTS = "echo 'Slurm accounting storage is disabled' >&2; exit 1"
 
 
 def controller_with_job(state):
-    """A controller that knows the job."""
+    """Shell command that stands for scontrol and knows the job."""
     return f"echo 'JobId=7 JobName=deploy JobState={state} Reason=None Dependency=(null)'"
 
 

@@ -1,8 +1,8 @@
-"""Parts of FFR's error, from a dual solution for each probe.
+"""Parts of FFR's error, from a dual solution for each probe: a second way for tests of errors.error_field.
 
-errors.error_field computes the same parts from a field for each stretch.
-
-K^T z = dJ/dw is solved for z, z is recovered, and the residual is weighted by the recovered less the interpolated z.
+errors.error_field computes the same parts from an error field for each stretch of the tree. Here the dual problem
+K^T z = dJ/dw is solved for each probe. Patch recovery makes a smoother z. The residual is weighted by the recovered
+minus the interpolated z.
 """
 
 import numpy as np
@@ -16,8 +16,11 @@ from flow.physics.units import M_PER_MM
 
 
 def error_parts(solved, document, tree):
-    """Estimated parts (p, k) of FFR's error at each of the document's p probes, computed minus true, by the k stretches
-    of the tree that they arise in; their sum estimates the error. solved: solvers.solved_mesh.SolvedMesh."""
+    """Parts (p, k) of the estimated error of FFR, computed minus true, for p probes and k stretches of the tree.
+
+    A part is the error that arises in its stretch. The sum over the stretches estimates the error at a probe.
+    solved: solvers.solved_mesh.SolvedMesh; document: as boundary.json.
+    """
     problem, space = solved.problem, solved.space
     points = [tuple(probe["point_mm"]) for probe in document["probes"]]
     probes = {point: probe for point, probe in zip(points, document["probes"])}  # several probes may share a place
@@ -56,7 +59,8 @@ def dual(problem, goal):
 
 
 def _goal(problem, document, tree, probe):
-    """Values (n,) over W: derivative of a probe's FFR, its pressure averaged over a ball as wide as the vessel."""
+    """Values (n,) over W: the derivative of a probe's FFR. The probe's pressure is a Gaussian average over about the
+    vessel's width."""
     branch = tree[probe["branch"]]
     s_mm, _ = branch.project(np.array(probe["point_mm"]))
     point, space = branch.point(s_mm), problem.space
@@ -69,8 +73,8 @@ def _goal(problem, document, tree, probe):
 
 
 def _recovered(space, richer, duals):
-    """Recovered minus interpolated dual solutions in the richer space, (d, n) values over its W; duals: d arrays of
-    values over W, fitted together."""
+    """Recovered minus interpolated dual solutions, (d, n) values over W of `richer`; duals: d arrays of values over W
+    of `space`."""
     nodes, cells = space.nodes()
     velocity, pressure = np.zeros((len(nodes), 3 * len(duals))), np.zeros((len(nodes), len(duals)))
     for d, dual in enumerate(duals):

@@ -10,7 +10,7 @@ MU = 0.004  # Pa s
 
 
 def make(folder):
-    """Folder of a straight tube, meshed through the command line, and its boundary values."""
+    """Writes the files of a straight tube to `folder`; the commands make its mesh and boundary.json."""
     tubes.write_case(folder, tubes.tube(LENGTH, lambda s: RADIUS, 0.4), [tubes.centre_branch(LENGTH, lambda s: RADIUS)])
     command_line.main(
         ["mesh", str(folder / "lumen.vtp"), "--centreline", str(folder / "centreline.vtp")]
@@ -24,7 +24,7 @@ def make(folder):
 
 
 def solve(case, out, **changes):
-    """Document of ffr.json, written to `out`, with `changes` of the boundary values."""
+    """Solves with some boundary values replaced by `changes`, writes to `out`, and returns the document of ffr.json."""
     document = json.loads((case / "boundary.json").read_text())
     for key, value in changes.items():
         document[key] = value

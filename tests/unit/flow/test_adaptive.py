@@ -1,4 +1,4 @@
-"""Which mesh gives the answer. The flows on the meshes are made up."""
+"""The choice of the mesh that gives the answer. The flows on the meshes are made up."""
 
 import types
 
@@ -30,7 +30,10 @@ class _Mesh:
 
 @pytest.fixture
 def search(monkeypatch):
-    """search({mesh: (ffr, eps, estimate), or None for no flow}) -> SolvedMesh, MeshSearch, [(mesh, its start)]."""
+    """search(meshes) -> (SolvedMesh that answers, MeshSearch, [(mesh solved on, its start)]).
+
+    meshes: {mesh: (ffr, eps, estimate)}, with None in place of the tuple if no flow is found on the mesh.
+    """
 
     def run(meshes, state=None, **values):
         tried, efforts = [], []
@@ -82,7 +85,7 @@ def test_the_finer_mesh_starts_from_the_coarse_ones_flow_and_answers(search):
     [
         ((0.79, 0.004, WIDER), "coarse.msh"),
         ((0.79, 0.004, GOOD), "fine.msh"),
-        ((0.79, 0.0, WIDER), "fine.msh"),  # its estimate includes the difference of both meshes
+        ((0.79, 0.0, WIDER), "fine.msh"),  # the estimate is wider because it includes the difference of both meshes
         ((0.79, 0.004, None), "coarse.msh"),
         (None, "coarse.msh"),
     ],
@@ -120,7 +123,7 @@ def test_the_coarsest_of_three_meshes_only_begins_the_way(search, flows, efforts
 
 
 def _starts(tried, meshes):
-    """[(mesh that a solve began from, meshes before that have a flow, else None)]"""
+    """[(mesh whose flow a solve started from, earlier meshes with a flow or None)] for each solve."""
     return [(start, [path for path, _ in tried[:k] if meshes[path]] or None) for k, (_, start) in enumerate(tried)]
 
 

@@ -11,11 +11,11 @@ import solved_tube
 from flow import __main__ as command_line
 from flow import audit
 
-UNIT = 0.01  # s
+UNIT = 0.01  # s: time unit D/U, the diameter over the mean speed
 
 
 def _series(values, units):
-    """Table of `audit.march` with one probe over `units` D/U."""
+    """A table as `audit.march` makes it, with one probe, over `units` time units."""
     table = pd.DataFrame({"time_s": np.linspace(0, units * UNIT, len(values)), "ffr_0": values})
     table.attrs["factorizations"] = 3
     return table

@@ -1,4 +1,4 @@
-"""How the benchmark of the FDA's nozzle reads and compares velocities."""
+"""The benchmark of the FDA's nozzle: the comparison of velocities with the laboratories', and the reattachment."""
 
 import pathlib
 import sys

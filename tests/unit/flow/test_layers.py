@@ -21,7 +21,7 @@ def _imported(file):
 
 
 def _against(folder):
-    """[(module, package)] of the imports in the packages of `folder` that go against ORDER."""
+    """[(module, package that it may not import)] of the imports in `folder` that break ORDER."""
     found = []
     for number, package in enumerate(ORDER):
         allowed = set(ORDER[: number + 1])

@@ -1,4 +1,4 @@
-"""The tables of flow/measured.md are those of the benchmarks' files."""
+"""The tables of flow/measured.md are made from the files of the benchmarks and of the study."""
 
 import json
 import pathlib

@@ -1,4 +1,4 @@
-"""Parts of the comparison with OpenFOAM on a tree that need no OpenFOAM."""
+"""The comparison with OpenFOAM on a tree: those parts that need no OpenFOAM."""
 
 import pathlib
 import sys

@@ -26,7 +26,7 @@ def _offered(command):
 
 @pytest.fixture
 def read(monkeypatch):
-    """Names of the settings that were read since."""
+    """Function that returns the names of the settings that were read so far."""
     names, made = set(), settings_module.make
 
     class Recording(types.SimpleNamespace):

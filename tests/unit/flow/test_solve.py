@@ -47,9 +47,9 @@ def test_energy_balance_of_poiseuille(case, tmp_path):
     answer = solved_tube.solve(case, tmp_path)
     energy, flow = answer["energy"], answer["inlet_flow_m3_per_s"]
     map_pa = json.loads((case / "boundary.json").read_text())["map_pa"]
-    # the same parabola enters and leaves: friction takes the pressure drop times the flow
+    # The same parabola enters and leaves, so friction dissipates the pressure drop times the flow.
     assert energy["friction_w"] == pytest.approx((map_pa - answer["outlets"][0]["pressure_pa"]) * flow, rel=2e-3)
-    # u.u u.n / 2 of a parabola is its mean speed squared
+    # For a parabola the integral of u.u u.n / 2 is the square of the mean speed times the flow.
     mean = flow / (np.pi * (RADIUS * 1e-3) ** 2)
     assert energy["inlet_w"] == pytest.approx(map_pa * flow + 1060 * mean**2 * flow, rel=1e-4)
     assert energy["imbalance"] < 1e-6
@@ -130,7 +130,7 @@ def coarse_mesh(case):
 
 
 def test_coarse_and_fine_mesh_swapped_are_refused_before_anything_is_solved(case, coarse_mesh, tmp_path, capfd):
-    for coarse in (case / "mesh.msh", coarse_mesh):  # finer, and the same
+    for coarse in (case / "mesh.msh", coarse_mesh):  # first a finer mesh, then the same mesh
         arguments = ["solve", str(coarse_mesh), "--coarse", str(coarse), "--boundary", str(case / "boundary.json")]
         with pytest.raises(SystemExit) as ended:
             command_line.main(
@@ -157,7 +157,7 @@ def test_a_probe_outside_the_mesh_is_refused_before_anything_is_solved(case, tmp
 def test_the_fine_mesh_is_solved_on_only_where_the_error_asks_for_it(
     case, coarse_mesh, tmp_path, tolerance, meshes, capfd
 ):
-    (tmp_path / "left_out.msh").touch()  # as `flow mesh` leaves it of a mesh that would not be coarser
+    (tmp_path / "left_out.msh").touch()  # `flow mesh` leaves an empty file for a mesh that would not be coarser
     arguments = ["solve", str(case / "mesh.msh"), "--coarse", str(tmp_path / "left_out.msh"), str(coarse_mesh)]
     arguments += ["--boundary"]
     arguments += [str(case / "boundary.json"), "--centreline", str(case / "centreline.vtp"), "--out", str(tmp_path)]
@@ -228,7 +228,7 @@ def test_the_dual_solution_says_how_the_goal_changes_with_a_load(case):
     goal = problem.boundaries.flux[0]  # the outflow as goal
     dual = dual_solutions.dual(problem, goal)
     before = problem.boundaries.outflows(problem.state.x.array)[0]
-    # MAP enters the inflow's equation alone, whose dual value is the inlet's over the profile
+    # MAP occurs only in the equation of the inflow. Its dual value is the dual solution at the inlet over the profile.
     inlet, profile = problem.space.inlet_dofs, problem.boundaries.profile
     largest = inlet[np.argmax(np.abs(profile[inlet]))]
     step = 1.0

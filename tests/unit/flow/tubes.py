@@ -14,7 +14,10 @@ from flow.geometry.surface import Surface
 
 
 def tube(length_mm, radius, edge_mm=0.5, axis=None, outlet_region=2):
-    """Closed, tagged tube along +x (or the map `axis`: (s, e1, e2) -> points); radius: function of s in mm."""
+    """A closed, tagged tube along +x; radius: function of s, both in mm.
+
+    axis: bends the tube; it maps (s, e1, e2), the arc length and two coordinates across the axis, to points.
+    """
     around = max(8, round(2 * np.pi * float(radius(0.0)) / edge_mm))
     s = np.linspace(0, length_mm, max(2, round(length_mm / edge_mm)) + 1)
     return revolved(s, [radius(along) for along in s], around, axis, outlet_region)
@@ -54,7 +57,10 @@ def revolved(s, radius, around, axis=None, outlet_region=2):
 
 
 def _disc(around, angle):
-    """Unit disc: rim points first, then rings inwards; triangles counter-clockwise by Delaunay."""
+    """(points, triangles) of a unit disc. Points of the rim come first, then those of rings inwards.
+
+    The triangles are Delaunay's, counter-clockwise.
+    """
     points = [np.stack([np.cos(angle), np.sin(angle)], axis=1)]
     rings = max(1, round(around / 6.3))
     for k in range(rings - 1, 0, -1):
@@ -87,7 +93,8 @@ def fork(radius=1.5, side_radius=0.9, length=24.0, at=10.0, side_length=10.0, an
 def branched(radius, length, sides, edge_mm):
     """(Surface, [Branch]): a straight tube along +x with side tubes, meshed by gmsh.
 
-    sides: [(where on the tube in mm, radius and length in mm, angle to it and turn about its axis in degrees)].
+    sides: [(place along the main tube in mm, radius and length in mm, angle to the main tube and turn about its axis in
+    degrees)].
     """
     import gmsh
 
@@ -140,7 +147,7 @@ def lesion(radius_mm, reduction, centre_mm, length_mm):
 
 
 def arc(curvature_per_mm):
-    """Axis map of a circular arc in the x-y plane."""
+    """The argument `axis` of `tube` for a circular arc in the x-y plane."""
     bend = 1.0 / curvature_per_mm
 
     def axis(along, e1, e2):
@@ -153,8 +160,8 @@ def arc(curvature_per_mm):
 def write_case(folder, surface, branches, parents=None, lesions=(), areas=None):
     """Writes lumen.vtp, centreline.vtp, sections.csv and anatomy.json as the anatomy step does.
 
-    branches: [geometry.centreline.Branch], main first; parents: {name: (parent, s_on_parent_mm)}; areas: {name: mm2
-    (n,)} of branches whose sections are not circles of their radius.
+    branches: [geometry.centreline.Branch], main first. parents: {name: (parent, s_on_parent_mm)}. areas: {name: mm2
+    (n,)}, for branches whose sections are not circles of the branch's radius.
     """
     parents, areas = parents or {}, areas or {}
     folder.mkdir(parents=True, exist_ok=True)
@@ -199,7 +206,7 @@ NO_EXTENSIONS = {"outlet_clearance_diameters": 0, "inlet_clearance_diameters": 0
 
 
 def mesh_narrowed(folder, reduction, length_mm=8.0, radius_mm=1.2):
-    """Files of a tube narrowed in its middle, its two meshes (2 and 3 rings) and boundary.json, by the command line."""
+    """Writes the files of a tube narrowed in its middle. The commands make a mesh of 3 rings and boundary.json."""
     radius = lesion(radius_mm, reduction, length_mm / 2, 4.0)
     write_case(folder, tube(length_mm, radius, 0.4), [centre_branch(length_mm, radius)])
     along, rings = ["--centreline", str(folder / "centreline.vtp")], ["--rings", "3", "--coarse-rings", "2"]

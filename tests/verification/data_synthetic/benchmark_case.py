@@ -1,4 +1,4 @@
-"""What the reference's benchmarks share: a case grown, measured and planned, and tables written."""
+"""Functions shared by the reference's benchmarks: generate, measure and plan a case, and write tables."""
 
 import csv
 import os
@@ -13,13 +13,13 @@ PYTHON = [sys.executable, "-m"]
 
 
 def run(*words):
-    """Runs a command of the project with one thread. Raises CalledProcessError where it fails."""
+    """Runs a command of the project with one thread. Raises CalledProcessError if it fails."""
     environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
     subprocess.run([str(word) for word in words], env=environment, check=True)
 
 
 def grow_and_plan(case, folder):
-    """(plan.json, truth.json) of a synthetic case, made in `folder`."""
+    """Generates, measures and plans a synthetic case in `folder`; returns (plan.json, truth.json)."""
     source, anatomy, plan = folder / "source", folder / "anatomy", folder / "vci" / "plan.json"
     run(*PYTHON, "data_synthetic", "generate", case, "--out", source)
     run(build_folder() / "lumen", "process", source / "lumen.vtp", "--units", "mm", "--out", anatomy)

@@ -1,8 +1,8 @@
 """The reference's slices against CalculiX (Debian package calculix-ccx), as CSV.
 
-Run: /usr/bin/python3 tests/verification/data_synthetic/calculix_benchmark.py --out FOLDER [--case CASE.yaml]; a minute
-or two. ring.csv: an inflated ring; case.csv: the tightest stented slice of a case through its whole procedure. The case
-is grown, measured and planned first (build/lumen).
+Run: /usr/bin/python3 tests/verification/data_synthetic/calculix_benchmark.py --out FOLDER [--case CASE.yaml]. It takes
+a minute or two. ring.csv is of an inflated ring, case.csv of the tightest stented slice of a case through its whole
+procedure. First the case is generated, its anatomy is measured by build/lumen, and its plan is made.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 """How much the reference's answer depends on its constants, as CSV.
 
-Run: /usr/bin/python3 tests/verification/data_synthetic/sensitivity_benchmark.py --out FOLDER [--case CASE.yaml]; about
-a minute. The case is grown, measured and planned first (build/lumen).
+Run: /usr/bin/python3 tests/verification/data_synthetic/sensitivity_benchmark.py --out FOLDER [--case CASE.yaml]. It
+takes about a minute. First the case is generated, its anatomy is measured by build/lumen, and its plan is made.
 """
 
 import argparse

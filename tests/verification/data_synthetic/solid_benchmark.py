@@ -1,8 +1,8 @@
 """The slices against a solid in three dimensions, as CSV.
 
 Run: /usr/bin/python3 tests/verification/data_synthetic/solid_benchmark.py --out FOLDER [--cases CASE.yaml ...]
-[--meshes 8x3x2 12x4x1.2]; some minutes of one core for each case. A case is grown, measured and planned first
-(build/lumen).
+[--meshes 8x3x2 12x4x1.2]. Each case takes some minutes on one core. First the case is generated, its anatomy is
+measured by build/lumen, and its plan is made.
 """
 
 import argparse

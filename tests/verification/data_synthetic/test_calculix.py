@@ -1,4 +1,4 @@
-"""The slice against CalculiX, where that is installed; what the command says and reads without it."""
+"""The slice compared with CalculiX, if that is installed. The parts that need no CalculiX are always tested."""
 
 import shutil
 import types
@@ -41,7 +41,7 @@ def test_a_program_that_writes_nothing_is_an_error(tmp_path):
 
 
 def brick_volumes(coordinates, bricks):
-    """Of bricks (n, 8) as the corners' triple product: positive for those that CalculiX takes."""
+    """(corners, triple products of three edges) of bricks (n, 8). CalculiX accepts only positive products."""
     corners = np.array([[coordinates[n] for n in brick] for brick in bricks])
     return corners, np.linalg.det(corners[:, [1, 3, 4]] - corners[:, [0]])
 
@@ -60,14 +60,14 @@ def test_mesh_of_the_deck_fills_the_ring():
 
 
 def test_springs_hold_as_the_support_does():
-    """Together they carry support x length of the outside x height, the same in x and y."""
+    """The stiffnesses of the springs sum to support x circumference x height, in x and in y."""
     theta = np.pi * np.arange(48) / 24
     layer = calculix.build_layer(theta, np.full(48, 1.0), np.full(48, 2.0), 3)
     lines = calculix.support_lines(layer, 0.01)
     values = {direction: [] for direction in ("1", "2")}
     for at, line in enumerate(lines):
         if line.startswith("*SPRING"):
-            values[lines[at + 1]].append(2 * float(lines[at + 2]))  # two nodes an element set
+            values[lines[at + 1]].append(2 * float(lines[at + 2]))  # each element set has two nodes
     for found in values.values():
         assert sum(found) == pytest.approx(0.01 * 2 * np.pi * 2.0 * calculix.LAYER_HEIGHT_MM, rel=1e-4)
 
@@ -87,7 +87,7 @@ def test_the_whole_lumen_is_prescribed():
 
 @pytest.fixture(scope="module")
 def section():
-    """A small vessel's eccentric lesion, a little off its tightest place."""
+    """A section of a small vessel's eccentric lesion, 1 mm from the lesion's centre."""
     vessel = {
         "seed": 7,
         "main": {"length_mm": 25, "ostial_diameter_mm": 3.0},
@@ -140,14 +140,14 @@ def recorded(section):
 
 
 def test_a_uniform_pressure_comes_back_from_its_forces(section, recorded):
-    """Forces of a tenth more than the slice's pressure, at three heights: that tenth, and its worth in area."""
+    """Forces are made from pressures a tenth above the slice's, at three heights. The rows must show this tenth."""
     _, entries = recorded
     whole = np.tile(np.arange(len(section.theta)), 3)
     forces = []
     for entry in entries:
         lumen = entry["lumen"]
         along = np.roll(lumen, -1, axis=0) - np.roll(lumen, 1, axis=0)
-        push = 0.5 * np.stack([along[:, 1], -along[:, 0]], axis=1)  # normal times length, on the polygon of the nodes
+        push = 0.5 * np.stack([along[:, 1], -along[:, 0]], axis=1)  # normal times length of the nodes' polygon
         x, y = lumen.T
         polygon = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
         push *= (
@@ -161,7 +161,7 @@ def test_a_uniform_pressure_comes_back_from_its_forces(section, recorded):
     for row in rows:
         assert row["calculix_pressure_mpa"] == pytest.approx(1.1 * row["slice_pressure_mpa"], rel=1e-9)
     assert rows[0]["area_mm2"] > 1.2 * rows[1]["area_mm2"] and rows[3]["area_mm2"] > 1.2 * rows[1]["area_mm2"]
-    # against a stiff balloon a pressure is worth little area
+    # against a stiff balloon a difference of pressure changes the area little
     assert 0 < rows[2]["worth_in_area_percent"] < 0.5 * rows[3]["worth_in_area_percent"]
 
 

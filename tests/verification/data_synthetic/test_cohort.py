@@ -1,6 +1,6 @@
-"""The shipped cohorts: nine patients like the published ones, hard anatomies that can be grown, random ones likewise.
+"""The shipped cohorts: nine patients that spread like the published ones, hard anatomies, and random patients.
 
-FFR by the one-dimensional network on the true radii; the flow solver itself comes later.
+FFR is from the one-dimensional network on the true radii, without meshing or solving in three dimensions.
 """
 
 import dataclasses
@@ -20,7 +20,8 @@ PA_PER_MMHG = 133.322
 
 
 def network_ffr(case, branches):
-    """FFR past the worst lesion of main from the true radii, with the flow part's boundary values and probe."""
+    """FFR behind the main branch's most severe lesion, from the true radii. Boundary values and the probe's distance
+    are those of the flow part."""
     flow = settings.make()
     probe_mm = case.get("settings", {}).get("flow", {}).get("probe_distance_mm", flow.probe_distance_mm)
     tables = []
@@ -47,7 +48,7 @@ def network_ffr(case, branches):
 
 
 def treated_lesions(case):
-    """The lesions of main whose middle a stent covers; of a proposed plan the first."""
+    """The lesions of the main branch whose middle a stent covers. For a plan `auto`: the first lesion."""
     lesions = case["vessel"]["lesions"]
     if case["plan"] == "auto":
         return lesions[:1]
@@ -63,7 +64,7 @@ def treated_lesions(case):
 
 
 def treated_branches(branches, lesions):
-    """The branches with the healthy radius from end to end of lesions of main, as a stent leaves them at best."""
+    """The branches after ideal stenting: the main branch has its healthy radius all along the given lesions."""
     main = branches[0]
     radius = main.radius_mm.copy()
     for lesion in lesions:
@@ -84,9 +85,10 @@ def stenosis_share(lesion, s_mm):
 
 
 def test_nine_patients_spread_like_the_published_ones(repo_root):
-    """Published: FFR .90 (.08) or .92 (.09) after, below .80 before; area 16.4 (4.4) or 17.9 (4.8) mm2.
+    """Published: FFR below .80 before, .90 (.08) or .92 (.09) after; area after 16.4 (4.4) or 17.9 (4.8) mm2.
 
-    The area is a little less than the widest balloon's. The network loses less than the flow in three dimensions.
+    The limits here differ from these for two reasons. The area is a little less than that of the widest balloon, which
+    is checked instead. The network has a smaller pressure loss than the flow in three dimensions.
     """
     cases = cases_of(repo_root, "nine")
     assert len(cases) == 9

@@ -1,4 +1,5 @@
-"""CT of virtual patients, segmented: bias bounds over voxels and noise seeds, unstented and stented."""
+"""Lumens segmented from the synthetic CT of virtual patients: bounds on their bias for two voxel sizes, with and
+without a stent."""
 
 import csv
 import pathlib
@@ -51,7 +52,7 @@ def test_resistance_without_a_stent(rows):
 
 
 def test_fixed_threshold_overstates_the_resistance(rows):
-    """The known fault of the simple method: it would be a strange phantom that did not show it."""
+    """A fixed threshold is known to overstate the resistance. A realistic phantom must show this too."""
     ok = [r for r in matching_rows(rows, state="unstented", voxel_mm="0.35", method="threshold") if r["status"] == "ok"]
     assert ok and all(float(row["resistance_ratio"]) > 1.2 for row in ok)
 

@@ -1,6 +1,7 @@
-"""Lumens of 50 seeds: closed, sphere-like, free of themselves, true to their field, power law kept.
+"""Lumens of 50 seeds are closed, of genus 0 and free of self-intersections. They lie on the zero level of their field,
+and their radii keep the power law.
 
-Small trees on a coarse grid, so that every run of the tests does all of them: some 1.2 seconds of processor time each.
+The trees are small and the grid is coarse. A lumen takes about 1.2 seconds of processor time.
 """
 
 import numpy as np
@@ -16,7 +17,7 @@ EXPONENT = 2.55
 
 
 def random_vessel(seed):
-    """A short vessel of any type and size with one side branch anywhere about it and a narrowing of 40 to 84 %."""
+    """A short vessel with one side branch and a narrowing of 40 to 84 %. Type, sizes and angles vary with the seed."""
     vessel = {
         "seed": seed,
         "artery": ["lad", "lcx", "rca"][seed % 3],

@@ -1,7 +1,8 @@
-"""The power law of radii at branchings, recovered from tapered vessels: from the tree itself and from its surface.
+"""The power law of radii at bifurcations. Its exponent is recovered from tapered vessels.
 
-Surface: areas of plane sections just before an ostium, past its far rim, and in the side branch clear of the main wall.
-The exponent is sensitive: 0.1 % of the radius past the ostium changes it by 0.01 where side and main are as here.
+The radii are those of the vessel's profile, of the grown tree, or of plane sections of the surface. They are taken just
+before an ostium, past its far rim, and in the side branch clear of the main wall. The exponent is sensitive: for the
+vessels here an error of 0.1 % in the radius past the ostium changes it by 0.01.
 """
 
 import numpy as np
@@ -13,26 +14,27 @@ from common.implicit import field, surface
 from data_synthetic import healthy_radius, tree
 from data_synthetic.ct import evaluate
 
-FIELD_TOLERANCE = 3e-3  # radii between samples of 0.1 mm, where taper sets in with a kink
-SURFACE_TOLERANCE = 0.05  # sections' chords take 0.05 to 0.3 % of the radius, more in the side branch
+FIELD_TOLERANCE = 3e-3  # radii are interpolated between samples of 0.1 mm, and the taper begins with a kink
+SURFACE_TOLERANCE = 0.05  # the polygons of sections lose 0.05 to 0.3 % of the radius, in the side branch more
 SPACING_MM = 0.25
 
 
 def exponent_of(before, after, side):
-    """The m for which before^m = after^m + side^m, of radii in any unit."""
+    """The exponent m for which before^m = after^m + side^m. The radii may be in any unit."""
     return brentq(lambda m: 1 - (after / before) ** m - (side / before) ** m, 0.5, 12)
 
 
 def sampling_positions(vessel):
-    """Per bifurcation: arc lengths (mm) on main before and after it, and on the side branch clear of the main wall."""
+    """For each bifurcation three arc lengths (mm): on the main branch before and after it, and on the side branch clear
+    of the main wall."""
     forks = healthy_radius.bifurcations(vessel)
     return [(fork.start_mm, fork.end_mm, fork.side_level_mm) for fork in forks]
 
 
 def random_vessel(seed, exponent):
-    """A vessel with two side branches, all tapered; every other one has a lesion between its ostia.
+    """A vessel with two side branches, all tapered. Vessels of odd seeds have a lesion between the ostia.
 
-    Gently curved: where the vessel bends towards a side branch, their walls part later than between straight ones.
+    The vessel bends gently, because walls separate later if the vessel bends towards a side branch.
     """
     rng = np.random.default_rng(seed)
     sides = [

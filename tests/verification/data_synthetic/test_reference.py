@@ -1,4 +1,4 @@
-"""The whole reference on a small patient: plausible, repeatable, refuses what it cannot answer."""
+"""The whole reference on a small patient: results are plausible and repeatable, and unfit inputs are refused."""
 
 import json
 import pathlib
@@ -16,14 +16,14 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 
 def balloon(length, diameter, growth):
-    """A balloon of nominal `diameter` at 10 bar, `growth` (share) more or less 6 bar from there."""
+    """A balloon with `diameter` at 10 bar. 6 bar more or less change the diameter by the share `growth`."""
     chart = {"pressure_bar": [4, 10, 16], "diameter_mm": [diameter * (1 - growth), diameter, diameter * (1 + growth)]}
     return {"kind": "balloon", "length_mm": length, "shoulder_mm": 1.5, "chart": chart}
 
 
 @pytest.fixture(scope="module")
 def patient(tmp_path_factory):
-    """Folder with source/ of the case quick_focal, a scene at its lesion, and coarse settings."""
+    """Folder with source/ of the case severe_focal, a scene at its lesion, and coarse settings."""
     root = tmp_path_factory.mktemp("patient")
     document = generate.run(ROOT / "tests/verification/data_synthetic/cases/severe_focal.yaml", root / "source")
     centre = document["branches"][0]["lesions"][0]["true_s_mla_mm"]
@@ -73,11 +73,11 @@ def test_the_lesion_is_opened_as_in_patients(treated):
     tightest = min(held, key=lambda r: r["radius_before_mm"])
     inflated = tightest["history"][-1]["inflated_radius_mm"]
     assert tightest["radius_before_mm"] < 0.6 < 1.2 < tightest["area_mm2"] ** 0.5 / np.pi**0.5 < inflated
-    # Predilatation alone opens it part of the way, and elastic tissue takes some back.
+    # Predilatation alone opens the lesion part of the way, and elastic tissue recoils.
     after_pre = tightest["history"][0]
     assert tightest["radius_before_mm"] < after_pre["radius_mm"] < after_pre["inflated_radius_mm"] < 1.25
     assert 2 < found["recoil_percent"] < 9
-    # A waist over the plaque: the ends of the stent are wider than the middle.
+    # The stent has a waist at the plaque: its ends are wider than its middle.
     assert tightest["area_mm2"] < min(held[0]["area_mm2"], held[-1]["area_mm2"])
     own = found["error_estimate"]
     assert own["mesh_and_step_area_percent"] < 2
@@ -138,7 +138,7 @@ def test_the_lumen_of_another_vessel_is_refused(patient, tmp_path, capsys):
 
 
 def test_slices_are_near_a_coarse_solid_in_three_dimensions(patient):
-    """The command on a mesh of seconds; figures of finer ones are in measured.md."""
+    """The command on a mesh that takes seconds. The differences on finer meshes are in measured.md."""
     arguments = ["reference-3d", "--scene", patient / "scene.json", "--truth", patient / "source/truth.json"]
     arguments += ["--settings", patient / "settings.yaml", "--meshes", "6x2x3", "--out", patient / "solid"]
     command.main([str(a) for a in arguments])

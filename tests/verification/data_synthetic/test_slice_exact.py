@@ -9,8 +9,8 @@ from data_synthetic.reference.solid import materials
 from data_synthetic.reference.treatment import procedure
 
 INNER, OUTER = 0.56, 2.4
-NO_SUPPORT = 1e-6  # MPa/mm: only against rigid motion
-STIFF = 10.0  # MPa/mm: a device that nearly prescribes the radius; its pressure is read off the remaining gap
+NO_SUPPORT = 1e-6  # MPa/mm: so weak that it only prevents rigid motion
+STIFF = 10.0  # MPa/mm: a device so stiff that it nearly prescribes the radius; the remaining gap gives its pressure
 
 
 def tube(share, shear, yield_stress, hardening, bulk, c10=0.05, c20=0.2, around=16, through=6):
@@ -29,7 +29,7 @@ def tube(share, shear, yield_stress, hardening, bulk, c10=0.05, c20=0.2, around=
 
 
 def radius(model):
-    """Radius of the circle of the lumen's area."""
+    """Radius of the circle that has the lumen's area."""
     return float(np.sqrt(model.lumen_area() / np.pi))
 
 
@@ -101,7 +101,10 @@ def test_a_softer_plaque_keeps_no_memory_below_yield_and_some_above():
 
 
 def test_lesion_of_the_published_size_against_its_three_dimensional_solution():
-    """Mid-lesion of a 70 % cosine lesion, R 1.75 device: 3-D solution 1.6044 mm; plane strain is 0.35 % above."""
+    """The middle of a 70 % cosine lesion, opened by a device of radius 1.75 mm.
+
+    The solution in three dimensions has a radius of 1.6044 mm. Plane strain gives 0.35 % more.
+    """
     around = 24
     model = SliceModel(around, 8, 0.05, 0.2, 20.0, 0.01)
 
@@ -119,7 +122,10 @@ def test_lesion_of_the_published_size_against_its_three_dimensional_solution():
 
 
 def test_an_eccentric_soft_plaque_lets_go_of_a_balloon_step_by_step():
-    """Taking the balloon's pressure off gives way at once near the end; taking its radius down does not."""
+    """`deflate` lowers the balloon's radius in steps. Its result does not depend on the length of the steps.
+
+    If it lowered the pressure, the plaque would collapse at once near the end.
+    """
     plaque, healthy, shift = materials.LIPID, 2.09, 0.585
 
     def reach(theta):

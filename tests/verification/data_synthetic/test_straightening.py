@@ -1,8 +1,9 @@
-"""The straightening beam against the closed form of a beam on an elastic foundation, with its order of convergence.
+"""The straightening beam compared with the closed form of a beam on an elastic foundation: error and its order.
 
-A vessel of uniform curvature c0 carries a straight device of stiffness Es over |x| < a. Under small displacements
-(Es + Ev) w'''' + k w = 0 inside, Ev w'''' + k w = 0 outside; w, w', the moment and the shear force are continuous, the
-moment inside being Es (c0 + w'') + Ev w''. By symmetry four constants remain (Hetenyi, Beams on Elastic Foundation).
+A vessel of uniform curvature c0 carries a straight device of bending stiffness Es over |x| < a; Ev is the vessel's. For
+small displacements (Es + Ev) w'''' + k w = 0 inside the device and Ev w'''' + k w = 0 outside. The moment inside is
+Es (c0 + w'') + Ev w''. At the device's end w, w', the moment and the shear force are continuous. By symmetry four
+constants remain (Hetenyi, Beams on Elastic Foundation).
 """
 
 import numpy as np
@@ -17,7 +18,7 @@ STEPS = (6.0, 3.0, 1.5)
 
 
 class Arc:
-    """An axis whose tangent turns evenly: its natural curvature is the constant vector (0, CURVATURE, 0)."""
+    """An axis whose tangent turns at a constant rate, so its curvature is the constant vector (0, CURVATURE, 0)."""
 
     length_mm = LENGTH
 
@@ -60,7 +61,7 @@ def beam_error(step_mm):
 
 
 def test_the_closed_form_keeps_its_conditions():
-    """Far off nothing moves; w is continuous at the device's end; the device straightens its middle."""
+    """Far from the device w is 0, at the device's end w is continuous, and the middle of the device is straightened."""
     x = np.array([HALF - 1e-6, HALF + 1e-6, 55.0])
     w = exact(x)
     assert w[0] == pytest.approx(w[1], abs=1e-7) and abs(w[2]) < 2e-5
@@ -76,7 +77,7 @@ def test_straightening_converges_to_the_closed_form():
 
 
 def test_ends_of_a_device_may_lie_anywhere():
-    """At the step of the study; nodes lie at the device's ends wherever these are."""
+    """With the study's spacing of nodes. The beam has nodes at the device's ends, wherever these are."""
     stent = devices.Stent(
         "stent", LENGTH / 2 - HALF + 0.0617, LENGTH / 2 + HALF + 0.0617, 0.955, 0.22, DEVICE, 1.5, 0.5
     )
@@ -86,7 +87,7 @@ def test_ends_of_a_device_may_lie_anywhere():
 
 
 def test_bending_of_the_wall():
-    """A tube's second moment of area times 6 C10, by integration over the ring."""
+    """The wall's bending stiffness is 6 C10 times its second moment of area, here integrated over the ring."""
     y, z = np.meshgrid(*2 * [np.linspace(-3, 3, 2001)])
     r = np.hypot(y, z)
     moment = np.sum(y[(r > 2.0) & (r < 2.7)] ** 2) * (6 / 2000) ** 2

@@ -1,4 +1,4 @@
-"""The solid in three dimensions: a uniform tube is the slice; a short lesion of known solution."""
+"""The reference's solid in three dimensions: its mesh, and a uniform tube, which must move as the slice model does."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def straight(length_mm):
 
 
 def plaque(angle, radius):
-    """Plaque to radius 1.4, thrice as stiff on one side."""
+    """Plaque up to the radius 1.4, three times as stiff on one side as on the other."""
     share = 0.5 * (1 - np.tanh((radius - 1.4) / 0.1))
     shear = 0.1 * (2 + np.cos(angle))
     return share, shear, np.full_like(radius, 0.1), np.full_like(radius, 0.2)
@@ -42,7 +42,7 @@ def solid():
 
 
 def steps(model):
-    """A balloon to 1.3 mm and a stent of 1.25 mm that stays."""
+    """Inflates a balloon to a radius of 1.3 mm, then replaces it by a stent of radius 1.25 mm."""
     model.set_loads({"balloon_stiffness": 3.0, "balloon_cap": 1.2, "balloon_radius": 0.55, "balloon_share": 1.0})
     for value in np.linspace(0.55, 1.3, 8)[1:]:
         model.advance({"balloon_radius": float(value)})
@@ -68,7 +68,7 @@ def test_a_uniform_tube_between_rollers_is_the_slice(solid):
     tangent, normal, binormal = straight(2.0).frame(0.0)
     in_plane = np.stack([moved @ normal, moved @ binormal], axis=-1)
     assert np.abs(moved @ tangent).max() < 1e-6
-    # The lumen's curve of a slice is quadratic between its nodes, as that of each station.
+    # The lumen is quadratic between its nodes in the slice and at each station of the solid, so the nodes can agree.
     assert np.abs(in_plane - ring.lumen_displacement()[None]).max() < 1e-5
     assert np.linalg.norm(ring.lumen_displacement(), axis=1).min() > 0.5
 
@@ -80,11 +80,12 @@ def test_mesh_is_right_handed_and_fills_the_tube(solid):
     mesh, tags = solid.tube.mesh, solid.tube.facet_tags
     volume = fem.assemble_scalar(fem.form(fem.Constant(mesh, 1.0) * ufl.dx(domain=mesh)))
     outer = np.pi * (2.0**2 + 0.5 * 0.2**2)
-    # eight quadratic arcs round: their sagitta misses 0.08 % of the area
+    # The eight quadratic arcs of the circumference miss 0.08 % of the area.
     assert volume == pytest.approx(2.0 * (outer - np.pi * INNER**2), rel=1.2e-3)
     ds = ufl.Measure("ds", domain=mesh, subdomain_data=tags)
     area = [fem.assemble_scalar(fem.form(fem.Constant(mesh, 1.0) * ds(tag))) for tag in (1, 3)]
-    assert area == pytest.approx([2 * np.pi * INNER * 2.0, volume], rel=2e-3)  # two ends, 2 mm apart
+    # The tube is 2 mm long, so the area of both ends together in mm2 equals its volume in mm3.
+    assert area == pytest.approx([2 * np.pi * INNER * 2.0, volume], rel=2e-3)
 
 
 def test_area_of_an_ellipse():

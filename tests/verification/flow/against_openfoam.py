@@ -1,9 +1,10 @@
 """Speed against error beside OpenFOAM: /usr/bin/python3 tests/verification/flow/against_openfoam.py --out DIR.
 
-A straight tube (D 3.2 mm, L 50 mm) with a cosine lesion of 62 % at 15-25 mm, a parabolic inflow of 150 mL/min, 70 mmHg
-at the outlet. FFR is the pressure on the axis at 45 mm over that at the inlet; its error is against an axisymmetric
-Q3-Q2 solution that shares no code with either. Writes benchmark.csv and benchmark.png; CPU seconds of one core.
-OpenFOAM's mesh has its wall's vertices on the true radius. Rows that are not run again stay.
+The vessel is a straight tube (D 3.2 mm, L 50 mm) with a cosine lesion of 62 % at 15-25 mm. The inflow is a parabola of
+150 mL/min, and the outlet has 70 mmHg. FFR is the pressure on the axis at 45 mm over the pressure at the inlet. Its
+error is against an axisymmetric Q3-Q2 solution that shares no code with either program. The vertices of OpenFOAM's wall
+lie on the true radius. Writes benchmark.csv and benchmark.png, with CPU seconds of one core. Rows of earlier runs stay
+unless they are run again.
 """
 
 import argparse
@@ -33,17 +34,20 @@ from flow import settings  # noqa: E402
 OUTLET, FLOW, DENSITY, VISCOSITY = 70 * 133.322, 150e-6 / 60, 1060.0, 0.004  # SI
 RADIUS, LENGTH, THROAT, REDUCTION = 1.6, 50.0, 20.0, 0.62  # mm
 PRESSURE_PLACES_MM = (0.01, 45.0)  # mm: just behind the inlet, and where FFR is read
-OPENFOAM_EDGES = (0.8, 0.55, 0.4)  # mm; at 1.1 its volume is 3 % short, 0.3 takes as long as all of them
-RINGS = (3, 4, 5)  # of our only mesh; 2 find no steady flow
+# mm. With 1.1 the mesh has 3 % too little volume. A run with 0.3 takes as long as these three together.
+OPENFOAM_EDGES = (0.8, 0.55, 0.4)
+RINGS = (3, 4, 5)  # rings of our mesh in runs with a single mesh; on 2 rings no steady flow is found
+# Values in place of a number of rings. ADAPTIVE: the default. ALL_MESHES: the default, but the fine mesh is solved
+# whatever the estimate on the coarse meshes.
 ADAPTIVE, ALL_MESHES = (
     0,
     1,
-)  # in their place: the default, and the default with the fine mesh solved on whatever the coarse says
+)
 NAMES = {ADAPTIVE: "default: the first mesh within the tolerance", ALL_MESHES: "default, to the finest mesh"}
 TIMES = ("mesh_cpu_s", "solve_cpu_s")
 COLUMNS = ("solver", "resolution", "cells", "volume_mm3", "flow_ml_per_min", "ffr", "error", "scatter", *TIMES)
 COLUMNS += ("settled_cpu_s", "iterations", "outcome")
-ALLOWED_DIFFERENCE = {"volume_mm3": 0.02, "flow_ml_per_min": 1e-4}  # differences from the case's that are let pass
+ALLOWED_DIFFERENCE = {"volume_mm3": 0.02, "flow_ml_per_min": 1e-4}  # largest relative differences from the case
 RADIUS_PROFILE = tubes.lesion(RADIUS, REDUCTION, THROAT, 10)
 
 
@@ -51,7 +55,7 @@ FLUID = {"density_kg_per_m3": DENSITY, "viscosity_pa_s": VISCOSITY}
 
 
 def document():
-    """boundary.json for given_inflow: FLOW, OUTLET at the outlet at this flow, the reference's pressure before it."""
+    """boundary.json for given_inflow: FLOW, pressure OUTLET at the outlet, the reference's pressure at the inlet."""
     point = tubes.centre_branch(LENGTH, RADIUS_PROFILE).point(PRESSURE_PLACES_MM[1]).tolist()
     outlet = {"name": "outlet1", "region_id": 2, "branch": "main", "flow_m3_per_s": FLOW}
     outlet["resistance_pa_s_per_m3"] = OUTLET / FLOW
@@ -64,13 +68,13 @@ def document():
 
 
 def ffr(pressures):
-    """FFR of pressures over the outlet's at PRESSURE_PLACES_MM."""
+    """FFR from the pressures at PRESSURE_PLACES_MM, which are relative to the outlet's."""
     return (OUTLET + pressures[1]) / (OUTLET + pressures[0])
 
 
 @functools.cache
 def reference_pressures():
-    """Pressures in Pa at PRESSURE_PLACES_MM over the outlet's by the axisymmetric solution."""
+    """Pressures of the axisymmetric solution at PRESSURE_PLACES_MM in Pa, relative to the outlet's."""
     from axisymmetric import Tube
 
     return Tube(RADIUS_PROFILE, LENGTH, THROAT, FLUID, (150, 16)).pressures(FLOW, PRESSURE_PLACES_MM)
@@ -95,7 +99,7 @@ def openfoam_rows(edge_mm, folder):
 
 
 def spacing(rings):
-    """Options by which the sections are as far apart as `flow mesh` sets them on a coarse mesh with so many rings."""
+    """Options for the distance of the sections that `flow mesh` itself takes on a coarse mesh of `rings` rings."""
     defaults = settings.make()
     ratio = defaults.rings / rings
     return [
@@ -106,14 +110,14 @@ def spacing(rings):
 
 
 def sizes_of(rings, command):
-    """Options of `flow mesh` or `flow solve` for one mesh with so many rings; none for ADAPTIVE and ALL_MESHES."""
+    """Options of `flow mesh` or `flow solve` for a single mesh of `rings` rings; none for ADAPTIVE and ALL_MESHES."""
     if rings in NAMES:
         return []
     return ["--rings", str(rings)] * (command == "mesh") + spacing(rings)
 
 
 def vci_rows(rings, folder):
-    """Row of one mesh with so many rings, or of two meshes (ADAPTIVE, ALL_MESHES)."""
+    """Row for a single mesh of `rings` rings, or for the default's sequence of meshes (ADAPTIVE, ALL_MESHES)."""
     row = {"solver": "vci", "resolution": NAMES.get(rings, f"one mesh of {rings} rings")}
     folder.mkdir(parents=True, exist_ok=True)
     branch = tubes.centre_branch(LENGTH, RADIUS_PROFILE)
@@ -161,7 +165,7 @@ def volume_mm3(path):
 
 
 def check(row):
-    """Raises ComputationError where a converged row's geometry or flow is not the one that all are to share."""
+    """Raises ComputationError if a row's volume or flow differs from the case's. Rows not converged are not checked."""
     s = np.linspace(0, LENGTH, 20001)
     exact = {"volume_mm3": float(trapezoid(np.pi * RADIUS_PROFILE(s) ** 2, s)), "flow_ml_per_min": FLOW * 6e7}
     shared = [] if row["outcome"].startswith("not") else ALLOWED_DIFFERENCE.items()
@@ -173,7 +177,10 @@ def check(row):
 
 
 def draw(rows, path):
-    """Error of FFR against CPU seconds of the solve, and of mesh and solve; hollow where it did not converge."""
+    """Draws the error of FFR against CPU seconds, for the solve alone and with the meshing.
+
+    Marks of runs that did not converge are hollow.
+    """
     import matplotlib
 
     matplotlib.use("Agg")
@@ -198,7 +205,7 @@ def draw(rows, path):
 
 
 def plotted_series(rows):
-    """[(label, colour, rows with an error)] of the fronts to draw, none of them empty."""
+    """[(label, colour, rows with an error)] of the series to draw; a series without rows is left out."""
     chosen = [
         ("vci, one mesh", "#0a5a94", lambda r: r["resolution"].startswith("one mesh")),
         ("vci, two meshes", "#5aa0d0", lambda r: r["resolution"] in NAMES.values()),
@@ -214,14 +221,18 @@ def plotted_series(rows):
 
 
 def seconds_of(row):
-    """CPU seconds of mesh and solve; of OpenFOAM's the least it could have taken, had it stopped where FFR settled."""
+    """CPU seconds of mesh and solve.
+
+    For OpenFOAM the solve counts only until the pressure drop settled: a perfect stopping criterion would end there.
+    """
     return row["mesh_cpu_s"] + (row.get("settled_cpu_s") or row["solve_cpu_s"])
 
 
 def time_ratios(rows):
-    """{our row: (OpenFOAM's CPU seconds over ours, whether it reaches our error)}, mesh and solve.
+    """{our row's resolution: (OpenFOAM's CPU seconds over ours, whether OpenFOAM reaches our error)}.
 
-    OpenFOAM's are those of its cheapest row of no more error than ours, else of its row of least error.
+    The seconds are of mesh and solve. OpenFOAM's are those of its quickest row with no larger error than ours. If there
+    is none, they are those of its most accurate row.
     """
     found = {}
     theirs = [r for r in rows if r["solver"] == "OpenFOAM" and "error" in r]
@@ -243,7 +254,7 @@ def save(rows, folder):
 
 
 def earlier_rows(table):
-    """Rows of an earlier run, which stay where they are not run again."""
+    """Rows of an earlier run. They stay in the table unless they are run again."""
     if not table.is_file():
         return []
     texts = ("solver", "resolution", "outcome")

@@ -1,9 +1,10 @@
 """FFR of states of a tree beside OpenFOAM: python3 tests/verification/flow/against_openfoam_tree.py --out DIR STATE ...
 
-STATE: results/cases/<case>/flow/<state>, with the meshes and the answer of `flow solve`. simpleFoam gets the flows of
-that answer. Its FFR is 1 minus its pressure's fall from the inlet to the probe `distal` over the mean arterial
-pressure, so both are read at the same flows and the same point. Writes DIR/tree.csv, a row for each state and mesh: the
-finer mesh shows simpleFoam's own error. Rows that are not run again stay.
+STATE is results/cases/<case>/flow/<state>, with the meshes and the answer of `flow solve`. simpleFoam gets the flows
+of that answer. Its FFR is 1 minus its pressure drop from the inlet to the probe `distal`, divided by the mean arterial
+pressure. So both programs give FFR at the same flows and at the same point. Writes DIR/tree.csv, a row for each state
+and mesh. The change from the coarser to the finer mesh shows simpleFoam's own error. Rows of earlier runs stay unless
+they are run again.
 """
 
 import argparse
@@ -27,7 +28,7 @@ COLUMNS += ("our_ffr", "our_estimate", "difference", "scatter", "mesh_cpu_s", "c
 
 
 class State:
-    """A solved state of a case: its folder, documents of boundary.json and ffr.json, volume of the lumen meshed."""
+    """A solved state of a case: its folder, its boundary.json and ffr.json, and the volume of its meshed lumen."""
 
     def __init__(self, folder):
         self.folder, self.name = folder, f"{folder.parents[1].name} {folder.name}"
@@ -38,7 +39,7 @@ class State:
         self.volume_mm3 = report["volume_mm3"]
 
     def flows(self):
-        """{region_id: flow in m3/s}: in at the inlet, out at the outlets; None at that of the main branch."""
+        """{region_id: flow in m3/s}: inflow at the inlet, outflow at the outlets, None at the main branch's outlet."""
         found = {one["name"]: one["flow_m3_per_s"] for one in self.answer["outlets"]}
         outlets = {
             one["region_id"]: None if one["branch"] == "main" else found[one["name"]]
@@ -48,7 +49,7 @@ class State:
 
 
 def row(state, mesh, folder):
-    """Row of the table of a State on the nodes of one of its mesh files."""
+    """Row of the table for a State; simpleFoam gets one polyhedron for each node of the mesh file `mesh`."""
     document, answer, probe = state.boundary, state.answer, state.answer["probes"][0]
     if document["viscosity"] is not None:
         raise InputError("only Newtonian blood is compared", state.name, document["viscosity"], "leave viscosity_model")

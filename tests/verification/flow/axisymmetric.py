@@ -1,8 +1,8 @@
 """Steady Navier-Stokes in the meridian plane of a narrowed straight tube: a reference that shares no code with flow.
 
-Q3-Q2 curved quadrilaterals on the mapped rectangle (s, r / R(s)); unknowns u_x, u_r, p; weight r. Equations, boundary
-conditions and coupling are those of discretisation.forms: parabolic inflow Q at mean pressure MAP, traction P_v + R Q
-at the outlet.
+The mesh has curved Q3-Q2 quadrilaterals on the mapped rectangle (s, r / R(s)). The unknowns are u_x, u_r and p, and
+integrals have the weight r. Equations, boundary conditions and coupling are those of discretisation.forms: a parabolic
+inflow Q at the mean pressure MAP, and the traction P_v + R Q at the outlet.
 """
 
 import numpy as np
@@ -28,7 +28,7 @@ def containing_cells(domain, points):
 
 
 def _graded(length, throat, count):
-    """Fractions of the length at `count` equal steps of a grid that is fine round the throat (lengths in mm)."""
+    """Function from a fraction in [0, 1] of the grid's cells to s in mm; the cells are small round the throat."""
     s = np.linspace(0, length, 20001)
     gap = np.clip(np.abs(s - throat) - 5.0, 0, None)
     width = 0.1 + np.where(s < throat, 0.03, 0.02) * gap
@@ -37,7 +37,7 @@ def _graded(length, throat, count):
 
 
 def _domain(radius, place, cells):
-    """Curved quadrilaterals of nine nodes on the mapped rectangle, in m; place: fraction of the length -> s in mm."""
+    """Curved quadrilaterals of nine nodes on the mapped rectangle, in m; place: the function of _graded."""
     along, across = cells
     fraction, share = np.meshgrid(np.linspace(0, 1, 2 * along + 1), np.linspace(0, 1, 2 * across + 1), indexing="ij")
     s = place(fraction.ravel())
@@ -47,7 +47,8 @@ def _domain(radius, place, cells):
 
 def cells_of(number):
     """Nodes (c, 9) of the cells of a grid, from the nodes' numbers (2 along + 1, 2 across + 1)."""
-    # basix's order of a Q2 cell, as steps of half a cell: corners, middles of edges 01, 02, 13, 23, centre
+    # The order of nodes that basix gives a Q2 cell: corners, middles of edges 01, 02, 13, 23, centre. A step here is
+    # half a cell.
     local = [(0, 0), (2, 0), (0, 2), (2, 2), (1, 0), (0, 1), (2, 1), (1, 2), (1, 1)]
     along, across = (size - 2 for size in number.shape)
     return np.stack([number[i : i + along : 2, j : j + across : 2].ravel() for i, j in local], axis=1)
@@ -59,7 +60,11 @@ def quadrilaterals(points, cells):
 
 
 class Tube:
-    """radius: function of s in mm; throat, length in mm; all else SI. cells: (along, across); degree: velocity's."""
+    """The flow in a narrowed straight tube.
+
+    radius: function of s, both in mm; length and throat (its place) in mm; document: as boundary.json, in SI units.
+    cells: (along, across); degree: of the velocity's elements.
+    """
 
     def __init__(self, radius, length, throat, document, cells, degree=3, backflow=0.5):
         self.document, self.radius, self.radius_0, self.factor = document, radius, float(radius(0.0)) * 1e-3, None
@@ -117,7 +122,10 @@ class Tube:
         self.inlet_pressure = fem.form(2.0 / self.radius_0**2 * p * r * ds(1))
 
     def _solve(self, flow):
-        """Newton's method at the inflow `flow`, from the last one scaled; mean inlet pressure over the outlet's."""
+        """Solves by Newton's method at the inflow `flow`, from the last solution scaled to this inflow.
+
+        Returns the mean pressure at the inlet, relative to the outlet's.
+        """
         mean = flow / (np.pi * self.radius_0**2)
         self.profile.interpolate(lambda x: np.stack([2 * mean * (1 - (x[1] / self.radius_0) ** 2), 0 * x[0]]))
         if self.factor:
@@ -145,7 +153,10 @@ class Tube:
         raise RuntimeError("the axisymmetric flow did not converge")
 
     def ffr(self, guess, s_mm):
-        """FFR on the axis at s_mm, inflow and outlet in balance; `guess`: inflow in m3/s."""
+        """FFR on the axis at s_mm.
+
+        The secant method finds the inflow at which the inlet has MAP; `guess`: its start, in m3/s.
+        """
         document = self.document
         outlet = document["outlets"][0]
 
@@ -164,13 +175,13 @@ class Tube:
         return 1.0 - drop / document["map_pa"]
 
     def ffr_along(self, guess, places_mm):
-        """(FFR (n,) on the axis at places_mm, FFR at the outlet), as `ffr`."""
+        """(FFR (n,) on the axis at places_mm, FFR at the outlet), at the inflow that `ffr` finds from `guess`."""
         self.ffr(guess, places_mm[0])
         inlet, map_pa = fem.assemble_scalar(self.inlet_pressure), self.document["map_pa"]
         return 1.0 - (inlet - np.array([self._on_axis(s) for s in places_mm])) / map_pa, 1.0 - inlet / map_pa
 
     def pressures(self, flow, places_mm):
-        """Pressures on the axis over the outlet's, Pa, at the inflow `flow` (m3/s)."""
+        """Pressures on the axis at places_mm in Pa, relative to the outlet's, at the inflow `flow` (m3/s)."""
         for fraction in FRACTIONS:
             self._solve(fraction * flow)
         return [self._on_axis(s) for s in places_mm]
@@ -178,7 +189,8 @@ class Tube:
     def wall_shear(self, s_mm, flow):
         """Wall shear stress (n,) in Pa, positive downstream, at s_mm (n,) and the inflow `flow` (m3/s).
 
-        Difference quotient of second order over 2 and 4 thousandths of the inlet's radius along the wall's normal.
+        The velocity's slope is a difference quotient of second order. Its points lie 2 and 4 thousandths of the inlet's
+        radius from the wall, along the wall's normal.
         """
         for fraction in FRACTIONS:
             self._solve(fraction * flow)

@@ -1,7 +1,7 @@
-"""The FDA's nozzle in the meridian plane: the equations and elements of axisymmetric.py, with the sudden expansion.
+"""The FDA's nozzle in the meridian plane, with the equations and elements of axisymmetric.py.
 
-The core, as wide as the throat behind the expansion, and the ring round it are two grids that share a row of nodes.
-Cells are graded towards the expansion and the throat's edge.
+The mesh consists of two grids that share a row of nodes. The core is as wide as the throat behind the sudden expansion.
+The ring lies round the core, behind the expansion only. Cells get smaller towards the expansion and the throat's edge.
 """
 
 import axisymmetric
@@ -10,7 +10,7 @@ import numpy as np
 
 ENDS = np.cumsum([0.0, fda_nozzle.INLET_MM, fda_nozzle.CONE_MM, fda_nozzle.THROAT_MM, fda_nozzle.OUTLET_MM])
 WIDTHS = (fda_nozzle.RADIUS, fda_nozzle.RADIUS, fda_nozzle.THROAT, fda_nozzle.THROAT)  # radius of the core at ENDS
-GRADING = (0.0, 0.0, -3.0, 4.5)  # of the cells between ENDS: log of the last over the first
+GRADING = (0.0, 0.0, -3.0, 4.5)  # log of the ratio of the last cell's length to the first's, between ENDS
 COUNTS = (10, 24, 44, 80)  # cells between ENDS
 CORE, RING = 8, 12  # cells across
 
@@ -22,7 +22,7 @@ def graded(count, strength):
 
 
 class Nozzle(axisymmetric.Tube):
-    """The flow through the nozzle; document: as boundary.json; refined: factor of the numbers of cells."""
+    """The flow through the nozzle; document: as boundary.json; refined: factor on the numbers of cells."""
 
     def __init__(self, document, refined=1.0):
         self.refined = refined

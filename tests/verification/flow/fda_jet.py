@@ -1,8 +1,9 @@
 """The jet of the FDA's nozzle at Re 500: python3 tests/verification/flow/fda_jet.py --out DIR.
 
-Writes DIR/jet.csv: velocity on the axis in m/s of the original by five laboratories, mean and standard deviation, and
-by the axisymmetric solution of fda_axisymmetric.py and by `flow mesh` and `flow solve` with default settings, with the
-place from which the flow along the wall is downstream, FFR at a probe and its estimated error.
+Writes DIR/jet.csv with four rows: the mean and the standard deviation of five laboratories, the axisymmetric solution
+of fda_axisymmetric.py, and the answer of `flow mesh` and `flow solve` with default settings. The columns are the
+velocity on the axis in m/s (in the original's size), the place where the flow along the wall reattaches, FFR at a
+probe, and its error estimate.
 """
 
 import argparse
@@ -25,7 +26,7 @@ from vtk.util import numpy_support  # noqa: E402
 OUTLET_PA, PROBE_ORIGINAL_MM = 90 * 133.322, 100.0  # behind the expansion, where the jet has spread
 PLACES_MM = fda_nozzle.Z_ORIGINAL_MM
 WALL_PLACES_MM = np.linspace(2, 118, 117)  # mm of the original: where the flow along the wall is read
-NEAR_WALL_SHARE = 0.98  # of the radius
+NEAR_WALL_SHARE = 0.98  # share of the radius at which the flow along the wall is read
 COLUMNS = ("row", *(f"z_{z:g}" for z in PLACES_MM), "within", "reattached", "ffr", "estimate")
 
 
@@ -33,7 +34,7 @@ FLUID = {"density_kg_per_m3": fda_nozzle.DENSITY, "viscosity_pa_s": fda_nozzle.V
 
 
 def document(nozzle, inlet_pa):
-    """boundary.json for given_inflow: the nozzle's flow, OUTLET_PA at the outlet at this flow, inlet_pa before it."""
+    """boundary.json for given_inflow: the nozzle's flow, OUTLET_PA at the outlet, inlet_pa at the inlet."""
     s_mm = float(nozzle.along_mm(PROBE_ORIGINAL_MM))
     outlet = {"name": "outlet1", "region_id": 2, "branch": "main", "flow_m3_per_s": fda_nozzle.FLOW}
     outlet["resistance_pa_s_per_m3"] = OUTLET_PA / fda_nozzle.FLOW
@@ -63,8 +64,11 @@ def count_within(values):
 
 
 def reattachment(z_mm, speed):
-    """Place behind the expansion, mm of the original, from which `speed` (n,) along the wall is downstream for good;
-    words where it never is."""
+    """Where the flow reattaches: behind this place `speed` (n,) along the wall stays downstream.
+
+    Returns text: the place in mm of the original, "nowhere upstream", or "behind" the last place if the speed there is
+    still upstream.
+    """
     back = np.flatnonzero(speed < 0)
     if len(back) == 0:
         return "nowhere upstream"

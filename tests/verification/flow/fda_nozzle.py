@@ -3,8 +3,8 @@
     python3 tests/verification/flow/fda_nozzle.py --out DIR
 
 writes DIR/lumen.vtp, centreline.vtp, sections.csv, anatomy.json, as the anatomy step does, and lumen.stl. All lengths
-are a third of the original's (throat 4/3 mm, tube 4 mm): the tube is as wide as a coronary artery. The Reynolds number
-and the viscosity are the original's, so that velocities are three times as large.
+are a third of the original's (throat 4/3 mm, tube 4 mm), so the tube is as wide as a coronary artery. The Reynolds
+number and the viscosity are the original's. The velocities are therefore three times as large.
 
 Geometry of the original: inlet 12 mm wide, cone 22.685 mm long to the throat, 4 mm wide and 40 mm long, sudden
 expansion to 12 mm at z = 0.
@@ -35,8 +35,8 @@ REYNOLDS = 500.0  # of the throat's diameter and mean velocity
 # mean velocity in the throat, m/s, and flow, m3/s
 MEAN_VELOCITY = REYNOLDS * VISCOSITY / (DENSITY * 2e-3 * THROAT)
 FLOW = MEAN_VELOCITY * np.pi * (1e-3 * THROAT) ** 2
-# Velocity on the axis at z mm behind the expansion, mean and standard deviation of five laboratories in m/s; z and
-# velocity of the original
+# Velocity on the axis at z mm behind the expansion: mean and standard deviation of five laboratories in m/s. z and the
+# velocities are in the original's size.
 Z_ORIGINAL_MM = np.array([-20.0, -8.0, 0.0, 8.0, 16.0, 24.0, 32.0, 60.0, 80.0])
 VELOCITY_ORIGINAL = np.array([0.680, 0.733, 0.728, 0.726, 0.703, 0.667, 0.638, 0.537, 0.459])
 SPREAD_ORIGINAL = np.array([0.023, 0.030, 0.022, 0.019, 0.022, 0.011, 0.011, 0.057, 0.041])
@@ -44,8 +44,11 @@ SPREAD_ORIGINAL = np.array([0.023, 0.030, 0.022, 0.019, 0.022, 0.011, 0.011, 0.0
 
 @dataclasses.dataclass
 class Nozzle:
-    """surface: geometry.surface.Surface; branch: geometry.centreline.Branch along +x with the radius of the largest
-    sphere inside; area_mm2 (n,): of the sections at branch.s_mm; expansion_mm: arc length of the sudden expansion."""
+    """The nozzle's lumen.
+
+    surface: geometry.surface.Surface. branch: geometry.centreline.Branch along +x, with the radius of the largest
+    sphere inside. area_mm2 (n,): areas of the sections at branch.s_mm. expansion_mm: arc length to the expansion.
+    """
 
     surface: object
     branch: object
@@ -53,12 +56,12 @@ class Nozzle:
     expansion_mm: float
 
     def along_mm(self, z_original_mm):
-        """Arc length in mm of places z (n,) mm behind the expansion of the original."""
+        """Arc length in mm in the scaled nozzle, of places z (n,) in mm behind the expansion of the original."""
         return self.expansion_mm + SCALE * np.asarray(z_original_mm)
 
 
 def original_velocity(velocity):
-    """Velocity of the original, m/s, that one of the scaled nozzle, m/s, stands for."""
+    """Velocity in the original, from the velocity in the scaled nozzle (both in m/s)."""
     return SCALE * np.asarray(velocity)
 
 
@@ -70,7 +73,8 @@ def make(around=AROUND, inlet_mm=INLET_MM, outlet_mm=OUTLET_MM, spacing_mm=0.25)
     s, radius = _meridian(corners_s, corners_r, around)
     along = np.linspace(0.0, length, round(length / spacing_mm) + 1)
     wall = np.where(along < expansion, np.interp(along, corners_s[:4], corners_r[:4]), RADIUS)
-    # the nearest point of the wall: behind the expansion the throat's rim, in the cone a point of it further on
+    # Distance to the nearest point of the wall. Close behind the expansion that point is the throat's rim, and in the
+    # cone it lies further downstream. The radius of the section would therefore be too large.
     gap = np.hypot(along[:, None] - s, radius).min(axis=1)
     branch = tubes.centre_branch(length, lambda _: RADIUS, spacing_mm=spacing_mm)
     branch = centreline.Branch(branch.name, branch.branch_id, branch.points, along, np.minimum(gap, wall))
@@ -78,12 +82,12 @@ def make(around=AROUND, inlet_mm=INLET_MM, outlet_mm=OUTLET_MM, spacing_mm=0.25)
 
 
 def _meridian(corners_s, corners_r, around):
-    """(s, radius) of the rings: between the corners evenly, about as long as the circles' edges there."""
+    """(s, radius) of the rings of points. Neighbouring rings are about as far apart as the points on a ring."""
     s, radius = [corners_s[:1]], [corners_r[:1]]
     for k in range(len(corners_s) - 1):
         (s0, s1), (r0, r1) = corners_s[k : k + 2], corners_r[k : k + 2]
         edges = 2 * np.pi / around
-        # the edge goes with the radius: evenly many edges a unit of log r where that changes
+        # The edges of a ring are proportional to its radius. In the cone the rings are therefore even in log r.
         share = (r1 - r0) / np.hypot(s1 - s0, r1 - r0)
         count = np.log(r1 / r0) / (edges * share) if share else (s1 - s0) / (edges * r0)
         t = np.linspace(0.0, 1.0, max(1, int(np.ceil(count))) + 1)[1:]
@@ -94,7 +98,7 @@ def _meridian(corners_s, corners_r, around):
 
 
 def write(nozzle, folder):
-    """The files of the anatomy step, and lumen.stl."""
+    """Writes the files of the anatomy step, and lumen.stl."""
     import vtk
 
     folder = pathlib.Path(folder)

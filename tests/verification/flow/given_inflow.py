@@ -1,8 +1,9 @@
 """Flows with a given inflow, for comparisons with other programs: python3 .../given_inflow.py solve ...
 
-Runs the command line of `flow` with an outlet whose resistance is STIFFNESS times that of boundary.json, and with a
-pressure behind it that is so much lower that the outlet has its planned pressure P_v + R Q at its planned flow Q. What
-the lumen loses then changes the flow by 1 / STIFFNESS of what it would. The mean pressure at the inlet stays MAP.
+Runs the command line of `flow` with an outlet whose resistance is STIFFNESS times that of boundary.json. The pressure
+behind the resistance is lowered so that the outlet still has its planned pressure P_v + R Q at its planned flow Q. A
+pressure drop in the lumen then changes the flow STIFFNESS times less than with the resistance of boundary.json. The
+mean pressure at the inlet stays MAP.
 """
 
 import pathlib
@@ -29,7 +30,7 @@ class GivenInflow(outlets.Boundaries):
         super().__init__(space, document | {"outlets": [outlet]})
 
     def set_flow(self, flow):
-        """Sets the flow in m3/s that passes."""
+        """Sets the flow in m3/s that must pass the outlet."""
         self.venous_pa = self.outlet_pa - self.resistance[0] * flow
 
     def set_full_flow(self):

@@ -1,9 +1,10 @@
 """Cost and error of the flow solver by mesh: python3 tests/verification/flow/growth.py --out DIR RINGS:COARSE ...
 
-The tube with a lesion of 62 % on meshes of RINGS rings with sections in proportion, each solved from the flow on one of
-COARSE rings. Writes DIR/growth.csv: rings, coarse_rings, cells, dofs, ffr, its error against axisymmetric.py,
-linearisations, CPU seconds of the fine mesh and of the whole process, peak memory; and DIR/exponents.csv: exponents of
-cells fitted to CPU seconds and to memory. Rows that are not run again stay.
+The tube with a lesion of 62 % is solved on meshes of RINGS rings. The distance of the sections goes with 1 / RINGS.
+Each solve starts from the flow on a mesh of COARSE rings. Writes two tables. DIR/growth.csv has rings, coarse_rings,
+cells, dofs, ffr, its error against axisymmetric.py, linearisations, CPU seconds of the fine mesh and of the whole
+process, and peak memory. DIR/exponents.csv has CPU seconds and memory fitted as powers of the number of cells. Rows of
+earlier runs stay unless they are run again.
 """
 
 import argparse
@@ -21,15 +22,15 @@ import hard_cases  # noqa: E402  (makes the packages of the repository known)
 from flow import settings  # noqa: E402
 
 CASE, DEFAULT = "single_62", settings.make()
-SPACING = {"throat": DEFAULT.stations_throat, "plain": DEFAULT.stations_plain}  # of the default's rings
+SPACING = {"throat": DEFAULT.stations_throat, "plain": DEFAULT.stations_plain}  # for the default's number of rings
 COLUMNS = ("rings", "coarse_rings", "cells", "dofs", "ffr", "error", "linearisations", "fine_cpu_s", "cpu_s")
 COLUMNS += ("mib",)
 
 
 def command(folder, *arguments, program=("-m", "flow")):
-    """Runs `python3 -m flow` with `arguments` in `folder`, its words in a log there. Raises CalledProcessError.
+    """Runs `python3 -m flow` with `arguments` in `folder` and logs its output there. Raises CalledProcessError.
 
-    program: what Python runs in place of it.
+    program: Python's arguments that name the program, to run another one than `flow`.
     """
     environment = {"PYTHONPATH": str(hard_cases.ROOT), "PATH": "/usr/bin:/bin", "OMP_NUM_THREADS": "1"}
     environment["HOME"] = str(pathlib.Path.home())  # without it Open MPI 5 does not start
@@ -39,7 +40,7 @@ def command(folder, *arguments, program=("-m", "flow")):
 
 
 def mesh(folder, rings, coarse):
-    """Makes both meshes of the lumen in `folder`, sections as far apart as the default's by the ratio of the rings."""
+    """Makes both meshes of the lumen in `folder`. The default's distance of the sections is scaled with 1 / rings."""
     names = ["--out", f"r{rings}.msh", "--coarse", f"r{rings}_coarse.msh"]
     sizes = ["--rings", rings, "--coarse-rings", coarse]
     for name, radii in SPACING.items():
@@ -48,7 +49,7 @@ def mesh(folder, rings, coarse):
 
 
 def solve(folder, rings, coarse, reference):
-    """Row of the table; reference: FFR."""
+    """Row of the table; reference: the true FFR."""
     names = [f"r{rings}.msh", "--coarse", f"r{rings}_coarse.msh", "--boundary", "boundary.json"]
     out = f"r{rings}"
     chosen = ["--ffr-tolerance", 0]
@@ -70,7 +71,7 @@ def solve(folder, rings, coarse, reference):
 
 
 def exponents(rows):
-    """[{of, exponent}] of cells in each column, where there are three meshes or more."""
+    """[{of: column, exponent}]: each column fitted as a power of the number of cells. Empty for fewer than 3 meshes."""
     found = []
     for column in ("fine_cpu_s", "cpu_s", "mib") if len(rows) > 2 else ():
         cells, values = (np.log([float(row[name]) for row in rows]) for name in ("cells", column))

@@ -1,12 +1,12 @@
 """Hard cases of the flow solver as a table: python3 tests/verification/flow/hard_cases.py --out DIR all | CASE ...
 
-A state of a study's case, as a deployed lumen, is one more: --state results/cases/<case>/<state>.
+With --state results/cases/<case>/<state> a state of a study's case is solved too, for example a deployed lumen.
 
-Writes DIR/hard_cases.csv: case, outcome (converged, converged with artificial viscosity, refused), FFR, its
-reference (axisymmetric.py, which shares no code with the solver; of straight tubes only) and error, the error estimate,
-FFR of the reduced models, residual in N, artificial viscosity left, dofs of the mesh that
-answered, factorizations on all meshes, CPU seconds of the solve, peak memory. A case is meshed and solved by
-`python3 -m flow` with default settings; rows of cases that are not run again stay.
+Writes DIR/hard_cases.csv: case, outcome (converged, converged with artificial viscosity, refused), FFR, its reference
+and error, the error estimate, FFR of the reduced models, residual in N, artificial viscosity left, dofs of the mesh
+that gave the answer, factorizations on all meshes, CPU seconds of the solve, peak memory. Only straight tubes have a
+reference. It is from axisymmetric.py, which shares no code with the solver. A case is meshed and solved by
+`python3 -m flow` with default settings. Rows of earlier runs stay unless they are run again.
 """
 
 import argparse
@@ -31,16 +31,17 @@ from common.errors import error_summary  # noqa: E402
 PA_PER_MMHG = 133.322
 MAP, VENOUS, FLOW = 93 * PA_PER_MMHG, 5 * PA_PER_MMHG, 200e-6 / 60  # Pa, Pa, m3/s at hyperaemia
 RADIUS, EDGE = 1.6, 0.4  # mm
-REFERENCE_CELLS = (120, 12)  # along and across, Q3-Q2: within 2e-5 of the published values of the single lesions
+REFERENCE_CELLS = (120, 12)  # along and across. FFR of the single lesions is within 2e-5 of the published values.
 COLUMNS = ("case", "outcome", "ffr", "reference", "error", "estimate", "ffr_axisymmetric", "ffr_1d", "residual_n")
 COLUMNS += ("artificial", "dofs", "factorizations", "cpu_s", "mib")
 
 
 @dataclasses.dataclass
 class Tube:
-    """A straight tube: radius (of s) and lengths in mm, throat where the reference is finest; share of FLOW.
+    """A straight tube. radius: function of s, both in mm; length, throat and probe in mm; share: flow over FLOW.
 
-    reference_length: length of the tube that the reference is of, longer where the vessel goes on behind the outlet.
+    throat: where the mesh of the reference is finest. reference_length: length of the tube in the reference. It is
+    longer than `length` if the vessel is cut off at the outlet.
     """
 
     radius: object
@@ -65,7 +66,7 @@ class Tube:
 
 
 def document(branches, shares, probe_mm):
-    """boundary.json: outlet i at hyperaemia draws shares[i] of FLOW; FFR on the main branch at probe_mm."""
+    """Content of boundary.json: at hyperaemia outlet i draws shares[i] of FLOW. FFR is read at probe_mm of `main`."""
     outlets = [
         {
             "name": f"outlet{k + 1}",
@@ -88,7 +89,7 @@ def document(branches, shares, probe_mm):
 
 
 def single_lesion(reduction, outlet_mm=50.0):
-    """Cosine lesion 15-25 mm, the vessel cut off at outlet_mm of 50."""
+    """Cosine lesion at 15-25 mm of a vessel that is 50 mm long, cut off at outlet_mm."""
     radius = tubes.lesion(RADIUS, reduction, 20, 10)
     return Tube(radius, outlet_mm, 20.0, min(45.0, outlet_mm - 2.0), reference_length=50.0)
 
@@ -118,7 +119,7 @@ def _bent(radius, length, probe_mm, axis):
 
 
 def eccentric():
-    """Lesion of 62 % whose axis is off the vessel's by nine tenths of what it takes from the radius."""
+    """Lesion of 62 % off the vessel's axis, by nine tenths of the local loss of radius."""
     radius = tubes.lesion(RADIUS, 0.62, 20, 10)
     return _bent(radius, 50.0, 45.0, lambda s, a, b: np.stack([s, a + 0.9 * (RADIUS - radius(s)), b], axis=-1))
 
@@ -144,17 +145,18 @@ def fork(shares, **sizes):
     return surface, branches, {"side1": ("main", sizes["at"])}, document(branches, shares, sizes["length"] - 4.0)
 
 
-# side branches: where on the main one, radius, length in mm, angle to it and turn about its axis in degrees
+# side branches: place on the main branch, radius and length in mm, angle to the main branch and turn about its axis in
+# degrees
 SIDE_BRANCHES = ((12.0, 0.8, 10.0, 60.0, 0.0), (42.0, 1.2, 12.0, 55.0, 160.0), (50.0, 0.9, 10.0, 50.0, 70.0))
 SIDE_BRANCHES += ((58.0, 1.0, 10.0, 60.0, 250.0),)
-SPLIT_EXPONENT = 2.55  # an outlet's flow goes with its diameter to this power
+SPLIT_EXPONENT = 2.55  # an outlet's flow is proportional to its diameter to this power
 
 
 def five_outlets():
-    """A vessel of 70 mm, 4 mm wide, with SIDE_BRANCHES; a lesion of 55 %, 10 mm long, between the first two; FFR 10 mm
-    past it.
+    """A vessel 70 mm long and 4 mm wide with SIDE_BRANCHES and a lesion of 55 %.
 
-    The lesion is made by moving the wall's points of the straight vessel towards the axis.
+    The lesion is 10 mm long and lies between the first two side branches. FFR is read 10 mm behind it. To make it, the
+    wall's points of the straight vessel are moved towards the axis.
     """
     length, radius, first, last = 70.0, 2.0, 17.0, 27.0
     surface, branches = tubes.branched(radius, length, SIDE_BRANCHES, EDGE)
@@ -173,7 +175,7 @@ def five_outlets():
     )
 
 
-CASES = {  # the dearest last
+CASES = {  # the cases that take longest come last
     **{name: tube.case for name, tube in STRAIGHT.items() if name != "throat_re_1500"},
     "outlets_0.7_and_4_mm": lambda: fork([1 - 0.0116, 0.0116], radius=2.0, side_radius=0.35, edge_mm=0.3),
     "resistances_1_to_100": lambda: fork([100 / 101, 1 / 101]),
@@ -183,7 +185,7 @@ CASES = {  # the dearest last
     "eccentric_62": eccentric,
 }
 ALL_CASES = "all"
-COARSE_MESHES = ("mesh_coarsest.msh", "mesh_coarse.msh")  # of the default's meshes
+COARSE_MESHES = ("mesh_coarsest.msh", "mesh_coarse.msh")  # files for the coarse meshes of the default
 STATE_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")
 
 
@@ -195,7 +197,7 @@ def write(name, folder):
 
 
 def copy_state(state, folder):
-    """Copies the lumen of a state of a study's case (`pre`, the folder beside it, has the case's own anatomy)."""
+    """Copies the files of a state of a study's case. The anatomy of the state `pre` is that of the case itself."""
     folder.mkdir(parents=True, exist_ok=True)
     anatomy = state.parent / "anatomy" if state.name == "pre" else state / "anatomy"
     for file in [anatomy / name for name in STATE_FILES] + [state.parent / "flow" / "boundary.json"]:

@@ -2,8 +2,8 @@
 
     /usr/bin/python3 tests/verification/flow/measured_tables.py results
 
-A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`, NAME being the folder of a benchmark,
-`study` or `coverage`; where nothing of it was run the table stays.
+A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`. NAME is the folder of a benchmark, `study`
+or `coverage`. A table stays as it is if its results do not exist.
 """
 
 import csv
@@ -17,7 +17,7 @@ from page_tables import Page, markdown  # noqa: E402
 
 from common.errors import InputError  # noqa: E402
 
-# benchmark: its table's file, and columns of it under the headings of the page
+# benchmark: (the file of its results, {column of the file: heading on the page})
 TABLES = {
     "flow_against_openfoam": (
         "benchmark.csv",
@@ -100,7 +100,7 @@ DIGITS = {"volume_mm3": ".1f", "error": "+.4f", "mesh_cpu_s": ".1f", "solve_cpu_
 
 
 def answers(results):
-    """[(case, state, document)] of results/cases/*/flow/*/ffr.json. Raises InputError where one is of another kind."""
+    """[(case, state, document)] of results/cases/*/flow/*/ffr.json. Raises InputError if a file lacks a key."""
     found = []
     for path in sorted((results / "cases").glob("*/flow/*/ffr.json")):
         try:
@@ -112,8 +112,10 @@ def answers(results):
 
 
 def study(results):
-    """Markdown with a row for each case: its state before the intervention, and the worst of those after it; None
-    where there is none."""
+    """Markdown with a row for each case; None if no case was solved.
+
+    A row has the state before the intervention, and the largest values of the states after it.
+    """
     cases = {}
     for case, state, answer in answers(results):
         cases.setdefault(case, {})[state] = answer
@@ -132,13 +134,15 @@ def study(results):
 
 
 def error_of(answer):
-    """The estimate of an answer; `unknown`, which sorts above all numbers, where it has none."""
+    """The error estimate of an answer; `unknown` if it has none. As a text `unknown` sorts above all numbers."""
     return f"{answer['error_estimate']['ffr']:.4f}" if answer["error_estimate"] else "unknown"
 
 
 def coverage(results):
-    """Markdown: how often an estimate is not below the error, or the change to the next finer mesh; None where nothing
-    was run."""
+    """Markdown that shows how often an estimate is not below the true error. None if nothing was run.
+
+    In trees the true error is unknown. The change of FFR to the next finer mesh takes its place.
+    """
     rows, hard = [], results / "benchmarks" / "flow_hard_cases" / "hard_cases.csv"
     if hard.is_file():
         with hard.open(newline="") as file:
@@ -157,7 +161,7 @@ def coverage(results):
 
 
 def coverage_row(what, against, pairs):
-    """[row] of pairs (estimate, error), none where there is no pair."""
+    """[row] that sums up pairs (estimate, error); [] if there are no pairs."""
     ratios = [float(estimate) / max(abs(float(error)), 1e-6) for estimate, error in pairs]
     enough = sum(ratio >= 1 for ratio in ratios)
     return [[what, against, f"{len(ratios)}", f"{enough}", f"{min(ratios):.1f}"]] if ratios else []

@@ -1,5 +1,6 @@
-"""A narrowed straight tube for OpenFOAM's simpleFoam: SIMPLEC and GAMG on polyhedra, parabolic inflow, pressure behind.
+"""A narrowed straight tube as a case of OpenFOAM's simpleFoam.
 
+The solver uses SIMPLEC and GAMG on polyhedra. The inflow is a parabola, and the pressure is given at the outlet.
 Needs the programs of Debian's package `openfoam`. Lengths in mm where a name says so, else SI.
 """
 
@@ -20,10 +21,12 @@ from openfoam_run import (
     write,
 )
 
-# gradients of the velocity and the iterations they are given: the second converges where the first cycles
+# Schemes for the velocity's gradient, and the most iterations of each. The limited one can converge where the linear
+# one only cycles.
 GRADIENTS = {"Gauss linear": 600, "cellLimited Gauss linear 1": 1500}
-AVERAGED_ITERATIONS = 200  # iterations over which the mean is taken where it does not converge
-SETTLED_SHARE = 1e-4  # of the pressure fallen: an iteration from which on it is that near its last value is counted too
+AVERAGED_ITERATIONS = 200  # if a run does not converge, its result is the mean over this many last iterations
+# The pressure drop has settled once it stays this near to its last value (relative). The time until then is reported.
+SETTLED_SHARE = 1e-4
 SCHEMES = """ddtSchemes { default steadyState; }
 gradSchemes { default Gauss linear; grad(U) %(gradient)s; }
 divSchemes
@@ -60,7 +63,7 @@ functions
 
 
 def tetrahedra(radius, length_mm, throat_mm, edge_mm, path):
-    """Meshes the tube by gmsh (format 2.2, mm): edge_mm in the healthy part, a third of it at the throat."""
+    """Meshes the tube by gmsh (format 2.2, mm): edge_mm in the healthy part, a quarter of edge_mm at the throat."""
     import gmsh
 
     gmsh.initialize(["gmsh"], False)
@@ -122,10 +125,17 @@ def mesh(folder, radius, length_mm, throat_mm, places_mm, edge_mm, flow, density
 def solve(folder, gradient, density):
     """Solves a case that `mesh` wrote with one of GRADIENTS, from rest.
 
-    Returns {converged, iterations, pressures_pa: on the axis at the probed places, over the outlet's, means of the
-    AVERAGED_ITERATIONS iterations where it does not converge, scatter_pa: their standard deviations, 0 where it does,
-    flow_m3_per_s: out of the outlet, solve_cpu_s, settled_cpu_s: until the pressure's fall stays within SETTLED_SHARE
-    of its last value, None where it does not converge}. Raises ComputationError where simpleFoam fails.
+    Returns a dict:
+    - converged, iterations;
+    - pressures_pa: on the axis at the probed places, relative to the outlet's pressure. They are those of the last
+      iteration if the run converged, else means over the last AVERAGED_ITERATIONS iterations;
+    - scatter_pa: the standard deviations over these iterations, 0 if the run converged;
+    - flow_m3_per_s: through the outlet;
+    - solve_cpu_s;
+    - settled_cpu_s: CPU seconds until the pressure drop stays within SETTLED_SHARE of its last value. None if the run
+      did not converge.
+
+    Raises ComputationError if simpleFoam fails.
     """
     write(folder / "system" / "fvSchemes", "dictionary", SCHEMES % {"gradient": gradient})
     control = folder / "system" / "controlDict"
@@ -153,7 +163,7 @@ def solve(folder, gradient, density):
 
 
 def _outflow(folder):
-    """Flow through the outlet in m3/s of the last fields written."""
+    """Flow through the outlet in m3/s, from the fields that were written last."""
     latest = max((path for path in folder.glob("[1-9]*")), key=lambda path: int(path.name))
     text = (latest / "phi").read_text()
     values = re.search(r"outlet\s*{.*?List<scalar>\s*\d+\s*\((.*?)\)", text, re.S).group(1)
@@ -161,7 +171,7 @@ def _outflow(folder):
 
 
 def _onto_wall(folder, radius):
-    """Moves the wall's points outwards to the true radius: the dual mesh's lie on chords."""
+    """Moves the wall's points outwards to the true radius, because the dual mesh has them on chords of the circle."""
     points = points_of(folder)
     chosen = np.unique(np.concatenate(faces(folder, "wall")))
     distance = np.hypot(points[chosen, 1], points[chosen, 2])

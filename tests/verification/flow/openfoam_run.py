@@ -1,4 +1,4 @@
-"""Programs of Debian's package `openfoam`, and the files of one of its cases: what a tube and a tree share."""
+"""Runs the programs of Debian's package `openfoam` and reads and writes a case's files, for a tube and for a tree."""
 
 import os
 import re
@@ -19,22 +19,22 @@ def missing_programs():
 
 
 def write(path, kind, text):
-    """Writes a file of a case; kind: its class in OpenFOAM's words."""
+    """Writes a file of a case; kind: the class that OpenFOAM's file header names."""
     path.write_text(HEADER % (kind, path.name) + text)
 
 
 def children_cpu_seconds():
-    """CPU seconds of the programs that have ended."""
+    """CPU seconds of the child processes that have ended."""
     return sum(os.times()[2:4])
 
 
 def cpu_seconds():
-    """CPU seconds of this process and of the programs that have ended."""
+    """CPU seconds of this process and of the child processes that have ended."""
     return sum(os.times()[:4])
 
 
 def run_program(folder, *command):
-    """Output of a program run in the case's folder, also kept as log.<program>."""
+    """Runs a program in the case's folder and returns its output, which is also kept as log.<program>."""
     environment = {**os.environ, "WM_PROJECT_DIR": "/usr/share/openfoam", "OMP_NUM_THREADS": "1"}
     done = subprocess.run(command, cwd=folder, env=environment, text=True, capture_output=True)
     (folder / f"log.{command[0]}").write_text(done.stdout + done.stderr)
@@ -53,7 +53,7 @@ def points_of(folder):
 
 
 def faces(folder, patch):
-    """[array of the points' numbers] of a patch's faces."""
+    """The faces of a patch, each as an array of its points' numbers."""
     mesh = folder / "constant" / "polyMesh"
     entry = re.search(patch + r"\s*{(.*?)}", (mesh / "boundary").read_text(), re.S).group(1)
     count, start = (int(re.search(rf"{key}\s+(\d+)", entry).group(1)) for key in ("nFaces", "startFace"))
@@ -75,7 +75,10 @@ def inlet_faces(folder):
 
 
 def polyhedra(folder, tetrahedra, moved=lambda folder: None):
-    """Turns a gmsh file (format 2.2, mm, in the case's folder) into the case's polyhedra; moved: moves their points."""
+    """Turns a gmsh file (format 2.2, mm, in the case's folder) into the case's polyhedra.
+
+    moved: called with the folder before the cells are renumbered; may move the points.
+    """
     run_program(folder, "gmshToFoam", tetrahedra)
     boundary = folder / "constant" / "polyMesh" / "boundary"
     boundary.write_text(re.sub(r"(wall\s*{\s*type\s*)patch", r"\1wall", boundary.read_text()))
@@ -86,12 +89,12 @@ def polyhedra(folder, tetrahedra, moved=lambda folder: None):
 
 
 def figures(folder):
-    """{cells, volume_mm3} by checkMesh. Raises ComputationError for cells without a positive volume."""
+    """{cells, volume_mm3} by checkMesh. Raises ComputationError for cells of negative volume."""
     return figures_of_output(run_program(folder, "checkMesh"), folder)
 
 
 def figures_of_output(checked, folder):
-    """As `figures`, from the output of checkMesh."""
+    """The result of `figures`, from the output of checkMesh."""
     bad = re.search(r"Number of negative volume cells: (\d+)", checked)
     if bad:
         remedy = "take a finer mesh: its curved cells are nearer to straight ones"

@@ -1,8 +1,9 @@
-"""A tree for OpenFOAM's simpleFoam: the flows of our answer are given, the pressures are asked for.
+"""A tree as a case of OpenFOAM's simpleFoam: our answer gives the flows, and simpleFoam finds the pressures.
 
-SIMPLE on polyhedra, one round each node of a mesh file of `flow mesh`, which so have layers along the wall. First
-upwind, then linearUpwind. A parabola enters, the side branches have flow rates, the main branch's outlet pressure 0.
-With SIMPLEC and pressures at all outlets it diverged. Lengths in mm where a name says so, else SI.
+The mesh has one polyhedron round each node of a mesh file of `flow mesh`, and so has layers along the wall. SIMPLE runs
+with upwind first, then with linearUpwind. The inflow is a parabola. Side branches have given flow rates, and the main
+branch's outlet has pressure 0. A run with SIMPLEC and given pressures at all outlets diverged. Lengths are in mm if a
+name says so, else in SI units.
 """
 
 import shutil
@@ -12,11 +13,12 @@ import openfoam_run as run
 
 from flow.geometry.surface import INLET, WALL
 
-# gmsh's nodes of a tetrahedron: corners 0 to 3, middles 4 (of 01), 5 (12), 6 (02), 7 (03), 8 (23), 9 (13)
+# gmsh numbers a tetrahedron's nodes as follows: corners 0 to 3, then middles 4 to 9 of edges 01, 12, 02, 03, 23, 13.
+# CORNERS has the four children at the corners.
 CORNERS = ((0, 4, 6, 7), (1, 5, 4, 9), (2, 6, 5, 8), (3, 7, 9, 8))
-# two opposite middles, and the other four round them
+# Diagonals of the octahedron between the corners: the two middles at its ends, and the ring of the other four.
 DIAGONALS = ((4, 8, (5, 6, 7, 9)), (5, 7, (4, 6, 8, 9)), (6, 9, (4, 5, 8, 7)))
-FACE_PARTS = ([0, 3, 5], [1, 4, 3], [2, 5, 4], [3, 4, 5])  # of a triangle of six nodes
+FACE_PARTS = ([0, 3, 5], [1, 4, 3], [2, 5, 4], [3, 4, 5])  # the four triangles that one of six nodes is cut into
 UPWIND_ITERATIONS, LINEAR_ITERATIONS = 300, 500  # iterations of each scheme
 AVERAGED_ITERATIONS = 100  # iterations over which means are taken
 CONVECTION = ("bounded Gauss upwind", "bounded Gauss linearUpwind grad(U)")
@@ -56,13 +58,15 @@ functions
 
 
 def patch_name(region):
-    """Of the patch of a region_id."""
+    """Name of the OpenFOAM patch for a region_id."""
     return {WALL: "wall", INLET: "inlet"}.get(int(region), f"outlet{int(region) - 1}")
 
 
 def tetrahedra(source, path):
-    """Cuts each curved tetrahedron of a mesh file of `flow mesh` into eight at its nodes and writes these (format 2.2,
-    mm)."""
+    """Cuts each curved tetrahedron of a mesh file of `flow mesh` into eight at its nodes.
+
+    Writes them to `path` (gmsh's format 2.2, mm).
+    """
     import gmsh
 
     gmsh.initialize(["gmsh"], False)
@@ -94,8 +98,10 @@ def tetrahedra(source, path):
 
 
 def eighths(points, cells):
-    """Tetrahedra (8 t, 4) of cells (t, 10), gmsh's order of nodes: four corners and the octahedron between them, cut
-    along the shortest of its diagonals."""
+    """Tetrahedra (8 t, 4) that cells (t, 10), with gmsh's order of nodes, are cut into.
+
+    Four lie at the corners. The octahedron between them is cut along its shortest diagonal, for a better shape.
+    """
     length = [np.linalg.norm(points[cells[:, a]] - points[cells[:, b]], axis=1) for a, b, _ in DIAGONALS]
     shortest = np.argmin(length, axis=0)
     parts = [cells[:, list(part)] for part in CORNERS]
@@ -133,9 +139,10 @@ def _settings(folder, place, convection, iterations):
 def solve(folder, flows, probe_mm, density, viscosity):
     """Solves a case that `mesh` wrote, from rest.
 
-    flows: {region_id: m3/s out, None where the pressure is held}, and under INLET what flows in.
-    Returns {fall_pa: mean pressure of the inlet over that at the probe, mean of the AVERAGED_ITERATIONS iterations,
-    scatter_pa: its standard deviation there, iterations, solve_cpu_s}. Raises ComputationError where simpleFoam fails.
+    flows: {region_id: outflow in m3/s, None at the outlet whose pressure is given}; under INLET the inflow.
+    Returns {fall_pa: mean pressure at the inlet minus the pressure at the probe, as a mean over the last
+    AVERAGED_ITERATIONS iterations, scatter_pa: standard deviation over these iterations, iterations, solve_cpu_s}.
+    Raises ComputationError if simpleFoam fails.
     """
     _fields(folder, flows, density, viscosity)
     place = " ".join(f"{1e-3 * x:.9g}" for x in probe_mm)
@@ -154,13 +161,13 @@ def solve(folder, flows, probe_mm, density, viscosity):
 
 
 def _series(folder, name, file):
-    """Second column of a function's files, one of each start."""
+    """Values over the iterations that a function object wrote. simpleFoam writes one file for each of its starts."""
     found = sorted((folder / "postProcessing" / name).glob(f"*/{file}"), key=lambda path: int(path.parent.name))
     return np.concatenate([np.loadtxt(path, ndmin=2)[:, 1] for path in found])
 
 
 def _fields(folder, flows, density, viscosity):
-    """Boundary values: a parabola of exactly flows[INLET] over the circle of the inlet's area."""
+    """Writes the boundary values. The inflow is a parabola on a circle of the inlet's area, scaled to flows[INLET]."""
     areas, centres = run.inlet_faces(folder)
     area = np.linalg.norm(areas.sum(axis=0))
     normal = areas.sum(axis=0) / area

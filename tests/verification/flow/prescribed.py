@@ -13,8 +13,8 @@ MOST_STEPS = 20
 def solve(forms, state, conditions, load=None, tolerance=1e-11):
     """Solves forms.residual = load for the Function `state` with Dirichlet `conditions`; load: vector or None.
 
-    Ends where Newton's update is below `tolerance` of the state; returns the residual's vector, whose entries at the
-    prescribed dofs are the forces that hold them.
+    Newton's method ends when the norm of its update is below `tolerance` times the norm of the state. Returns the
+    residual's vector. Its entries at the prescribed dofs are the reaction forces there.
     """
     ksp = PETSc.KSP().create(state.function_space.mesh.comm)
     ksp.setType("preonly")

@@ -1,12 +1,13 @@
 """Error of FFR against CPU seconds over the mesh sequence: tests/verification/flow/speed_error.py --out DIR STATE ...
 
-The narrowed tube `single_62` is judged by the axisymmetric solution. A STATE (results/cases/<case>/<state>) is judged
-by its own mesh of FINEST rings, whose estimate is in the table. The meshes of the default are all solved, from coarse
-to fine, then the one of FINEST rings. A mesh's CPU seconds are those of the solves up to it, as the default goes the
-same way. `answers` marks the mesh at which the default would stop. Rows of OpenFOAM come from the tables of
-against_openfoam.py (the same tube with its inflow given) and against_openfoam_tree.py, where they converged.
+The narrowed tube `single_62` is compared with the axisymmetric solution. A STATE (results/cases/<case>/<state>) is
+compared with its own solution on FINEST rings, whose error estimate is in the table. All meshes of the default are
+solved from coarse to fine, then the mesh of FINEST rings. The CPU seconds of a mesh include the solves on all coarser
+meshes, because the default needs these too. `answers` marks the mesh at which the default would stop. Rows of OpenFOAM
+come from the tables of against_openfoam.py (the same tube with given inflow) and against_openfoam_tree.py. Only
+converged rows are taken.
 
-Writes DIR/speed_error.csv (COLUMNS; size: unknowns of ours, cells of OpenFOAM's) and speed_error.png.
+Writes DIR/speed_error.csv (COLUMNS; `size` is the number of our unknowns or of OpenFOAM's cells) and speed_error.png.
 """
 
 import argparse
@@ -23,7 +24,7 @@ import hard_cases  # noqa: E402  (makes the packages of the repository known)
 from common.errors import guarded  # noqa: E402
 
 TUBE = "single_62"
-SCATTER_LIMIT = 1e-4  # of FFR: scatter of simpleFoam over its last iterations, from which on it did not converge
+SCATTER_LIMIT = 1e-4  # a run of simpleFoam counts as converged if FFR scatters less over the last iterations
 DEFAULT = growth.DEFAULT
 SEQUENCE = (*DEFAULT.coarse_rings, DEFAULT.rings)
 FINEST = DEFAULT.rings + 1
@@ -31,7 +32,10 @@ COLUMNS = ("case", "solver", "mesh", "size", "cpu_s", "ffr", "error", "estimate"
 
 
 def solve_meshes(folder, rings):
-    """Rows of `meshes` in ffr.json on meshes of so many rings (from coarse to fine), all of them solved."""
+    """The entries `meshes` of ffr.json for meshes of these numbers of rings, from coarse to fine.
+
+    A tolerance of 0 makes the solver use every mesh.
+    """
     *coarse, fine = rings
     names = [f"r{fine}.msh", "--coarse", *(f"r{fine}_{count}.msh" for count in coarse)]
     sizes = ["--rings", fine, "--coarse-rings", *coarse]
@@ -45,7 +49,10 @@ def solve_meshes(folder, rings):
 
 
 def sequence_rows(case, folder, reference=None):
-    """Rows of the table for the lumen in `folder`; reference: FFR, else that of the finest mesh."""
+    """(rows of the table for the lumen in `folder`, FFR that errors refer to).
+
+    reference: the true FFR; None to take FFR of the finest mesh.
+    """
     meshes = [*zip(SEQUENCE, solve_meshes(folder, SEQUENCE))]
     finest = solve_meshes(folder, (*SEQUENCE[-2:], FINEST))[-1]
     meshes.append((FINEST, finest))
@@ -99,13 +106,16 @@ def simplefoam_row(case, mesh, cells, cpu, ffr, error):
 
 
 def read_table(path):
-    """Rows of a table."""
+    """Rows of a CSV file."""
     with open(path, newline="") as file:
         return list(csv.DictReader(file))
 
 
 def draw(rows, path):
-    """A panel a case: size of the error against CPU seconds; hollow: the estimate; ringed: where the default stops."""
+    """Draws a panel for each case: absolute error against CPU seconds.
+
+    Hollow marks are error estimates. A ring is round the mesh at which the default stops.
+    """
     import matplotlib
 
     matplotlib.use("Agg")
@@ -137,7 +147,7 @@ def draw(rows, path):
 
 
 def plot_column(panel, rows, column, style, **options):
-    """Draws the sizes of a column against CPU seconds."""
+    """Draws the absolute values of a column against CPU seconds."""
     if rows:
         panel.plot([float(r["cpu_s"]) for r in rows], [abs(float(r[column])) for r in rows], style, **options)
 

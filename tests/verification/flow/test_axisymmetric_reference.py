@@ -1,7 +1,9 @@
-"""FFR of cosine lesions in a straight tube: published values, the axisymmetric solution (axisymmetric.py), the solver.
+"""FFR of cosine lesions in a straight tube, compared with published values.
+
+Compared are the axisymmetric solution (axisymmetric.py), the solver in three dimensions, and both reduced models. The
+published values (REFERENCE) are from another program's Q3-Q2 axisymmetric solution of the same problem.
 
 D 3.2 mm, L 50 mm, lesion 15-25 mm, MAP 93 mmHg, P_v 5 mmHg, Q_hyp 200 mL/min, 0.004 Pa s, 1060 kg/m3; FFR at 45 mm.
-The published values (REFERENCE) are those of another program's Q3-Q2 axisymmetric solution of the same problem.
 """
 
 import json
@@ -58,8 +60,12 @@ def _write(folder, reduction):
     ("reduction", "tolerance", "most", "least"), [(0.62, 7e-4, 3, 1.0), (0.75, 7e-4, 2, 0.8), (0.8, 7e-4, 2, 0.5)]
 )
 def test_lesion(tmp_path, run_module, reduction, tolerance, most, least):
-    """most: factorizations from the axisymmetric flow, one more than it takes; least: error estimate of the pull-back
-    over its true error, where that is 2e-4 or more (found: 1.1, .9, .6)."""
+    """Meshed and solved by the commands with default settings.
+
+    most: number of factorizations allowed, one more than the solve takes when started from the axisymmetric flow.
+    least: least allowed ratio of the pull-back's error estimate to its true error, over the points with an error above
+    2e-4. The ratios are 1.1, .9 and .6.
+    """
     _write(tmp_path, reduction)
     (tmp_path / "boundary.json").write_text(json.dumps(_document()))
     line = ["--centreline", tmp_path / "centreline.vtp"]

@@ -1,7 +1,8 @@
-"""Flow past a cylinder, DFG benchmark 2D-1 (Schaefer, Turek 1996), through the weak form of discretisation.forms.
+"""Flow past a cylinder: DFG benchmark 2D-1 (Schaefer, Turek 1996), solved with the weak form of discretisation.forms.
 
-Channel 2.2 x .41, cylinder of diameter .1 at (.2, .2), density 1, viscosity .001, parabolic inflow of mean .2: Reynolds
-number 20. Reference values to twelve digits: featflow.de, benchmark DFG 2D-1 (re20).
+The channel is 2.2 x .41, the cylinder has diameter .1 and its centre at (.2, .2). Density is 1, viscosity .001, and the
+parabolic inflow has a mean of .2. This gives a Reynolds number of 20. Reference values are from featflow.de, benchmark
+DFG 2D-1 (re20).
 """
 
 import pathlib
@@ -27,7 +28,10 @@ DENSITY, VISCOSITY, GRAD_DIV, BACKFLOW = 1.0, 0.001, 0.05, 0.5
 
 
 def _write_mesh(path, around, far):
-    """Quadratic triangles: `around` on the cylinder, size `far` far from it; two nodes where the pressure is read."""
+    """Writes a mesh of quadratic triangles: `around` edges on the cylinder, edges of length `far` far downstream.
+
+    Two of its nodes lie at the front and the back of the cylinder, where the pressure is read.
+    """
     import gmsh
 
     gmsh.initialize(["gmsh"], False)
@@ -57,7 +61,7 @@ def _write_mesh(path, around, far):
 
 
 def _space(path):
-    """What the residual and the whole tangent of discretisation.forms need of a space."""
+    """A stand-in for LumenSpace with the attributes that the residual and tangent of discretisation.forms use."""
     mesh, facets = compat.read_gmsh(path, dimension=2)
     W = compat.function_space(
         mesh, compat.mixed_element(compat.vector_element(mesh, 2), compat.scalar_element(mesh, 1))
@@ -78,7 +82,7 @@ def _conditions(space):
 
 
 def _force(space, residual, direction):
-    """Force of the fluid on the cylinder: the residual's entries where the cylinder holds the velocity."""
+    """Force of the fluid on the cylinder: minus the sum of the residual's entries at the cylinder's dofs."""
     facets = space.facet_tags.find(CYLINDER)
     dofs = fem.locate_dofs_topological(space.W.sub(0).sub(direction), 1, facets)
     return -residual.array[np.unique(dofs)].sum()

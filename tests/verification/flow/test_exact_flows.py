@@ -1,4 +1,8 @@
-"""The whole of mesh and solve against flows known exactly: Poiseuille's, a network of resistors, and flows alike."""
+"""The commands `mesh` and `solve` compared with flows that are known exactly.
+
+These are Poiseuille's flow, the flow of a Carreau-Yasuda fluid in a tube, and the creeping flow in a network of
+resistors. Further, FFR must not change when the vessel is rotated, mirrored or scaled at the same Reynolds number.
+"""
 
 import json
 import pathlib
@@ -43,7 +47,7 @@ def _document(branches, resistances, viscosity, map_pa=MAP, venous_pa=VENOUS):
 
 
 def _solve(folder, surface, branches, document, parents=None, options=(), tolerance=()):
-    """The document of ffr.json of a lumen, by the commands `mesh` and `solve`."""
+    """Meshes and solves a lumen by the commands; returns the document of ffr.json."""
     tubes.write_case(folder, surface, branches, parents)
     (folder / "boundary.json").write_text(json.dumps(document))
     line = ["--centreline", str(folder / "centreline.vtp")]
@@ -64,10 +68,10 @@ def test_poiseuille(tmp_path):
 
 
 def _carreau_yasuda_slope(flow, radius, fluid):
-    """Pressure per length (Pa/m) that drives `flow` through a tube of `radius` (m) of a fluid of physics.viscosity.
+    """Pressure gradient (Pa/m) that drives `flow` through a tube of `radius` (m); fluid: of physics.viscosity.
 
-    Q = pi R^3 / tau_w^3 times the integral of tau^2 rate over tau (Rabinowitsch), tau = mu(rate) rate; the slope is
-    2 tau_w / R.
+    Rabinowitsch: Q = pi R^3 / tau_w^3 times the integral of tau^2 rate over tau from 0 to tau_w, with tau = mu(rate)
+    rate. The pressure gradient is 2 tau_w / R.
     """
 
     def through(wall_rate):
@@ -83,14 +87,16 @@ def _carreau_yasuda_slope(flow, radius, fluid):
 
 @pytest.mark.slow
 def test_carreau_yasuda_tube(tmp_path):
-    length, radius, flow = 8.0, 1.2, 3e-8  # wall rate about 25 /s: viscosity is far from both of its limits there
+    # The shear rate at the wall is about 25 /s, where the viscosity is far from both of its limits.
+    length, radius, flow = 8.0, 1.2, 3e-8
     branches = [tubes.centre_branch(length, lambda s: radius)]
     document = _document(branches, [400.0 / flow], 0.004, 5000.0, 4600.0)
     document["viscosity"] = viscosity.from_settings(settings.make(viscosity_model="carreau_yasuda"))
     surface = tubes.tube(length, lambda s: radius, 0.2)
     answer = _solve(tmp_path, surface, branches, document, tolerance=["--residual-absolute", "1e-12"])
     line = pd.read_csv(tmp_path / "pullback.csv")
-    inner = line[(line["s_mm"] > 4.2) & (line["s_mm"] < 7.2)]  # where the inlet's parabola has become this fluid's
+    # There the parabola of the inlet has changed into the velocity profile of this fluid.
+    inner = line[(line["s_mm"] > 4.2) & (line["s_mm"] < 7.2)]
     slope = -np.polyfit(inner["s_mm"] * 1e-3, inner["pressure_pa"], 1)[0]
     fluid = viscosity.from_document(document)
     expected = _carreau_yasuda_slope(answer["inlet_flow_m3_per_s"], radius * 1e-3, fluid)
@@ -109,7 +115,7 @@ def test_unequal_outlets_of_a_creeping_flow_are_a_network_of_resistors(tmp_path)
     parents = {"side1": ("main", 7.0)}
     document = _document(
         branches, [2e12, 2e14], 1.0
-    )  # Reynolds number below 1e-3; the vessels take 1 % of the pressure
+    )  # The Reynolds number is below 1e-3. The vessels take less than 1 % of the pressure.
     answer = _solve(tmp_path, surface, branches, document, parents, ["--cells-per-radius", "1.5", "--rings", "3"])
     anatomy = json.loads((tmp_path / "anatomy.json").read_text())
     sections = network_model.read_sections(tmp_path / "sections.csv")
@@ -142,7 +148,10 @@ def _lesion(transform, scale=1.0):
 
 
 def _ffr_of_lesion(folder, transform, scale=1.0):
-    """FFR; lengths times `scale` at the same Reynolds number: speeds over scale, pressures over its square."""
+    """FFR of the transformed lesion, with lengths times `scale` at the same Reynolds number.
+
+    At that number speeds change by 1 / scale and pressures by 1 / scale^2.
+    """
     surface, branches = _lesion(scale * transform, scale)
     map_pa, venous_pa = MAP / scale**2, VENOUS / scale**2
     document = _document(branches, [7e9 / scale**3], 0.004, map_pa, venous_pa)
@@ -151,7 +160,7 @@ def _ffr_of_lesion(folder, transform, scale=1.0):
 
 @pytest.fixture(scope="module")
 def ffr_of_lesion(tmp_path_factory):
-    """FFR of the lesion where it is."""
+    """FFR of the lesion, not transformed."""
     return _ffr_of_lesion(tmp_path_factory.mktemp("lesion"), np.eye(3))
 
 
@@ -164,5 +173,5 @@ def ffr_of_lesion(tmp_path_factory):
 def test_ffr_is_that_of_the_lesion_moved(tmp_path, ffr_of_lesion, transform, scale):
     found = _ffr_of_lesion(tmp_path, transform, scale)
     print("FFR", ffr_of_lesion, "moved", found - ffr_of_lesion)
-    assert ffr_of_lesion < 0.92  # else there is nothing to keep
+    assert ffr_of_lesion < 0.92  # a lesion without a pressure drop would pass every transformation
     assert found == pytest.approx(ffr_of_lesion, abs=1e-4)

@@ -1,4 +1,7 @@
-"""An outlet two diameters behind a lesion: extended by default, FFR is that of the vessel that goes on."""
+"""FFR of a vessel that is cut off two diameters behind a lesion.
+
+By default the outlet is extended. FFR must then be that of the vessel before it was cut off.
+"""
 
 import json
 import pathlib

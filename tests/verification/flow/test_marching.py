@@ -1,8 +1,8 @@
-"""The march in time against Womersley's flow in a tube: order 2 in the step.
+"""The march in time compared with Womersley's flow in a tube: its error is of order 2 in the time step.
 
-Womersley 1955, J Physiol 127. The inflow Q (1 + A cos(w t)) is given as a parabola; a few radii on, the slope of the
-pressure is Poiseuille's and the real part of A Q i w rho / (pi R^2) exp(i w t) / (1 - 2 J1(x) / (x J0(x))) with
-x = i^1.5 alpha.
+Womersley 1955, J Physiol 127. The inflow Q (1 + A cos(w t)) is given as a parabola. A few radii downstream the slope of
+the pressure is the sum of two parts. One is Poiseuille's. The other is the real part of
+A Q i w rho / (pi R^2) exp(i w t) / (1 - 2 J1(x) / (x J0(x))) with x = i^1.5 alpha.
 """
 
 import pathlib
@@ -26,12 +26,12 @@ from flow.solvers import marching, newton, nonlinear  # noqa: E402
 pytestmark = pytest.mark.slow
 
 LENGTH, RADIUS, DENSITY, VISCOSITY = 9.0, 1.2, 1060.0, 0.004  # mm, SI
-MEAN_FLOW, SWING, ALPHA = 2e-8, 0.3, 3.0  # m3/s (Reynolds number 3), share of it, Womersley number
+MEAN_FLOW, SWING, ALPHA = 2e-8, 0.3, 3.0  # Q in m3/s (Reynolds number 3), A, Womersley number
 OMEGA = (ALPHA / (RADIUS * 1e-3)) ** 2 * VISCOSITY / DENSITY  # 1/s
 OUTLET = 1.0  # Pa at the outlet at the mean flow; the pressure falls by about half as much
-PLACES = 4.0, 8.0  # mm: between them the pressure falls by Womersley's slope
-STEPS = 12, 24, 48  # a period
-PERIODS = 3.0  # the start has died away by exp(-11)
+PLACES = 4.0, 8.0  # mm: the pressure drop is taken between these places
+STEPS = 12, 24, 48  # time steps per period
+PERIODS = 3.0  # after these the transient of the start has decayed by exp(-11)
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +86,6 @@ def _errors(problem, steps_a_period):
 def test_order_of_the_march_in_time(problem):
     coarse, middle, fine = (_errors(problem, steps) for steps in STEPS)
     assert np.abs(fine).max() < 0.006
-    # what the mesh and the inlet's parabola leave is the same in all three
+    # The errors of the mesh and of the parabola at the inlet are the same in all runs, so they cancel in differences.
     order = np.log2(np.abs(coarse - middle).max() / np.abs(middle - fine).max())
     assert 1.9 < order < 2.2

@@ -1,4 +1,4 @@
-"""Patients of the study from their case file to their volume meshes: three, each coarser than the one before."""
+"""Patients of the study, from their case file to their three volume meshes of rising fineness."""
 
 import json
 import subprocess

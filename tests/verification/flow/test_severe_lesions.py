@@ -11,9 +11,9 @@ import hard_cases  # noqa: E402
 
 pytestmark = pytest.mark.long
 
-# percent of the diameter: FFR of an axisymmetric solution, published and of axisymmetric.py (flow/measured.md)
+# percent of the diameter: FFR of an axisymmetric solution; axisymmetric.py and the published values agree
 REFERENCE = {85: 0.22700, 90: 0.12830}
-WITHIN = 1e-3  # .0004 at 85 %, and .0008 at 90 %, where two rings answer
+WITHIN = 1e-3  # the errors are .0004 at 85 % and .0008 at 90 %; at 90 % the answer is from the mesh of two rings
 
 
 @pytest.mark.parametrize("percent", REFERENCE)
@@ -28,7 +28,8 @@ def test_ffr_behind_a_severe_lesion(percent, tmp_path):
 
 
 def test_the_estimate_where_the_error_is_large(tmp_path):
-    """At a throat Reynolds number of 1,500 the mesh of three rings is .0031 off, several times what it is elsewhere."""
+    """At a throat Reynolds number of 1,500 the mesh of three rings has an error of .0031, several times that of the
+    other straight tubes. The estimate must show this."""
     name = "throat_re_1500"
     hard_cases.write(name, tmp_path)
     row = hard_cases.run(name, tmp_path)

@@ -1,4 +1,7 @@
-"""A flow that starts from that of another state of the vessel: the same answer, for fewer factorizations."""
+"""`flow solve --start`: a solve that starts from the flow of another state of the vessel.
+
+It must give the same answer with fewer factorizations.
+"""
 
 import json
 import pathlib

@@ -1,9 +1,9 @@
 """FFR to a tolerance, its cost and error: python3 tests/verification/flow/tolerance.py --out DIR CASE:TOLERANCE ...
 
-A straight tube of hard_cases.py solved to an `ffr_tolerance` on the default's meshes. Writes DIR/tolerance.csv: case,
-tolerance, rings of the meshes solved on, dofs of the one that answers, ffr, its error against axisymmetric.py,
-estimate, whether it is within the tolerance, CPU seconds of `flow mesh` and of `flow solve`, peak memory. Fails where
-an answer said to be within its tolerance is not.
+CASE is a straight tube of hard_cases.py. It is solved to an `ffr_tolerance` on the default's meshes. Writes
+DIR/tolerance.csv: case, tolerance, rings of all meshes solved on, dofs of the mesh that gave the answer, ffr, its error
+against axisymmetric.py, the error estimate, whether the answer claims to be within the tolerance, CPU seconds of
+`flow mesh` and of `flow solve`, peak memory. Fails if an answer claims to be within its tolerance but is not.
 """
 
 import argparse
@@ -21,13 +21,13 @@ COLUMNS = ("case", "tolerance", "rings", "dofs", "ffr", "error", "estimate", "me
 
 
 def children_seconds():
-    """CPU seconds of the programs that have ended."""
+    """CPU seconds of the child processes that have ended."""
     spent = resource.getrusage(resource.RUSAGE_CHILDREN)
     return spent.ru_utime + spent.ru_stime
 
 
 def row(case, tolerance, folder):
-    """Row of the table; the case is written, meshed and solved in `folder`."""
+    """Row of the table for a case, which is written, meshed and solved in `folder`."""
     hard_cases.write(case, folder)
     line, meshes = ["--centreline", "centreline.vtp"], ["mesh.msh", "--coarse", *hard_cases.COARSE_MESHES]
     begin = children_seconds()

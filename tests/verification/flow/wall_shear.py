@@ -1,9 +1,12 @@
 """Wall shear stress by boundary layers: python3 tests/verification/flow/wall_shear.py --out DIR RINGS:LAYERS ...
 
-The tube with a lesion of 62 % on one mesh each of RINGS rings, the outermost split into LAYERS, against
-axisymmetric.py at the flow that the mesh has. Writes DIR/wall_shear.csv: rings, wall_layers, dofs, error of FFR, and of
-the wall shear stress, in percent of its peak, root of the mean square and largest error at the wall's nodes in the
-lesion, error of the peak; root of the mean square from 1 mm behind the lesion on, in Pa; CPU seconds.
+The tube with a lesion of 62 % is solved on single meshes of RINGS rings, whose outermost ring is split into LAYERS. The
+wall shear stress is compared with axisymmetric.py at the same inflow. Writes DIR/wall_shear.csv with these columns:
+- rings, wall_layers, dofs, error of FFR;
+- in the lesion, in percent of the peak of the stress: root mean square error and largest error at the wall's nodes, and
+  the error of the peak itself;
+- from 1 mm behind the lesion on: the root mean square error in Pa;
+- CPU seconds.
 """
 
 import argparse
@@ -22,7 +25,8 @@ import growth  # noqa: E402
 import hard_cases  # noqa: E402
 
 CASE, LESION_RANGE, BEHIND_LESION = "single_62", (15.0, 25.0), (26.0, 45.0)  # mm
-# The reference's wall shear stress on hard_cases.REFERENCE_CELLS is within .3 % of the peak of that on 200 by 20 cells.
+# On hard_cases.REFERENCE_CELLS the reference's wall shear stress differs from that on 200 by 20 cells by at most .3 %
+# of the peak.
 COLUMNS = ("rings", "wall_layers", "dofs", "ffr_error", "lesion_rms_percent", "lesion_largest_percent")
 COLUMNS += ("peak_error_percent", "behind_rms_pa", "cpu_s")
 
@@ -45,7 +49,7 @@ def error_columns(s_mm, stress, flow):
     error, peak = stress - np.interp(s_mm, places, along), along.max()
     lesion, behind = ((s_mm > low) & (s_mm < high) for low, high in (LESION_RANGE, BEHIND_LESION))
     rms = [float(np.sqrt(np.mean(error[chosen] ** 2))) for chosen in (lesion, behind)]
-    level = np.round(s_mm, 2)  # of a ring of nodes
+    level = np.round(s_mm, 2)  # the nodes of one ring have the same level
     highest = max(stress[level == one].mean() for one in np.unique(level[lesion]))
     return {
         "lesion_rms_percent": f"{100 * rms[0] / peak:.1f}",

@@ -15,7 +15,7 @@ sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1])]
 
 from page_tables import Page, markdown  # noqa: E402
 
-# benchmark: its table's file, and columns of it under the headings of the page
+# benchmark: (the file of its results, {column of the file: heading on the page})
 TABLES = {
     "deployment_speed": (
         "medians.csv",
@@ -159,7 +159,7 @@ DIGITS = {
     "worst_penetration_mm": ".3f",
     "minimal_area_mm2": ".1f",
 }
-PREFIXES = {"contrast": "contrast_", "pressures": "pressure_"}  # cohort: how the names of its cases begin
+PREFIXES = {"contrast": "contrast_", "pressures": "pressure_"}  # cohort: first part of the names of its cases
 # quantity of contrast.csv: its heading, and the format of its errors
 CONTRAST_ERRORS = {
     "area_profile": ("rms of the area along the stent, mm2", ".2f"),

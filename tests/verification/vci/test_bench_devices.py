@@ -1,4 +1,4 @@
-"""The shipped stents on the bench: free recoil and radial strength by `vci crush`, and opening in air."""
+"""The shipped stents on the bench: free recoil and radial strength by `vci crush`, and inflation in air."""
 
 import csv
 import itertools
@@ -11,8 +11,10 @@ from anatomy.planning import catalogue
 from common.documents import config
 from vci.benchmarks import published, scenes
 
-STRENGTH_MPA = (0.20, 0.25)  # at losses of 5 and 10 % of the diameter, beyond the struts' yield
-RECOIL_ABOVE_PERCENT = (-0.1, 0.3)  # of the one stated: film and hinges give back a little more than the hoop
+# Limits of the crushing pressure at losses of 5 and 10 % of the diameter, where the struts yield.
+STRENGTH_MPA = (0.20, 0.25)
+# Limits of the recoil minus the stated one. Film and hinges spring back a little more than the hoop.
+RECOIL_ABOVE_PERCENT = (-0.1, 0.3)
 
 
 def crush(program, devices, stent, folder):
@@ -53,7 +55,7 @@ def test_shipped_stents_recoil_and_crush_as_stated(binary, repo_root, tmp_path, 
 
 
 def test_a_stent_in_air_opens_between_two_and_four_bar_and_follows_its_chart(binary, repo_root, tmp_path):
-    """The chart of a delivery system holds with the stent on the balloon. Below it the stent stays crimped."""
+    """A delivery system's chart holds with the stent on the balloon. At 2 bar the stent is still crimped."""
     families = config.load_devices(repo_root / "config" / "devices")
     tube = scenes.Tube(30.0, 2.5, 0.0, edge=0.8)
     middle = {}

@@ -1,4 +1,4 @@
-// Balloons and stents bend as beams: the moment that holds their ends at an angle, against closed forms.
+// Balloons and stents bend as beams. The moment that holds their ends at an angle is compared with closed forms.
 #include "vci/devices/balloon/balloon.hpp"
 #include "vci/devices/stent/stent.hpp"
 #include "vci/solver/integrator.hpp"
@@ -10,10 +10,10 @@ namespace {
 
 using namespace vci;
 
-constexpr double half_length = 4.0;     // mm: rings further from the middle are held
+constexpr double half_length = 4.0;     // mm: rings further from the middle are held fixed
 constexpr double edge = 0.45;           // mm
 constexpr double axial_stiffness = 8.0; // N/mm, of a balloon at its nominal diameter
-constexpr double tip = 0.35;            // a balloon's open end over its diameter
+constexpr double tip = 0.35;            // diameter of a balloon's open end over the balloon's diameter
 
 /// An arc of curvature k (1/mm) up to the arc length `half` on both sides of the origin, straight beyond.
 std::vector<Frame> arc(const RingGrid& grid, double k, double half) {
@@ -27,7 +27,7 @@ std::vector<Frame> arc(const RingGrid& grid, double k, double half) {
   return frames;
 }
 
-/// The first ring held at the upper end.
+/// The first ring that is held fixed at the upper end.
 int first_held(const RingGrid& grid) {
   int ring = grid.rings();
   while (grid.s[ring - 1] > half_length)
@@ -56,7 +56,7 @@ void balance(System& system, const RingGrid& grid, double tolerance) {
 
 struct BentBalloon {
   double moment, length; ///< N mm; mm between the held rings
-  double radius;         ///< mm, by the chart
+  double radius;         ///< mm, from the balloon's chart
   int ring_size;
 };
 
@@ -78,16 +78,16 @@ BentBalloon bent_balloon(double pressure, double k) {
   return {moment_on(system, grid, frames[ring]), 2 * grid.s[ring], radius, grid.ring_size};
 }
 
-/// Stiffness of all axial fibres together (N): their number was set at the nominal diameter of 3 mm.
+/// Stiffness of all axial fibres together (N). It is fixed by the nominal diameter of 3 mm.
 constexpr double all_fibres = 2 * pi * 1.5 * axial_stiffness;
 
 TEST(Bending, TautBalloonIsAnEulerBernoulliBeam) {
   for (double pressure : {0.2, 0.6, 1.0}) {
-    const double k = pressure < 0.5 ? 0.006 : 0.01; // before a fibre goes slack
+    const double k = pressure < 0.5 ? 0.006 : 0.01; // so small that no fibre goes slack
     const BentBalloon b = bent_balloon(pressure, k);
     const double stiffness = 0.5 * all_fibres * b.radius * b.radius; // pi R^3 times stiffness per circumference
-    // The pressure that acts on the polygon of a ring pushes more than the fibres pull, which leave out the open tips:
-    // a beam column between clamps turned against one another.
+    // The pressure on the polygon of a ring pushes axially. The fibres pull less, because the open tips carry no
+    // pressure. The balloon is therefore a beam column under the difference, between clamps that are turned.
     const double circle = pi * b.radius * b.radius, polygon = 0.5 * b.ring_size * std::sin(2 * pi / b.ring_size) / pi;
     const double push = pressure * circle * (polygon - (1 - tip * tip));
     const double half = 0.5 * b.length * std::sqrt(push / stiffness);
@@ -103,7 +103,7 @@ TEST(Bending, BalloonWrinklesWhereItsInnerFibresGoSlack) {
     double moment = 0;
     for (int i = 0; i < b.ring_size; ++i) {
       const double lever = b.radius * std::cos(2 * pi * i / b.ring_size), strain = std::log1p(k * lever);
-      const double slack = std::min(0.0, strain + pull / all_fibres); // beyond it 2 % of the stiffness is left
+      const double slack = std::min(0.0, strain + pull / all_fibres); // a slack fibre keeps 2 % of its stiffness
       moment += (all_fibres * (strain - 0.98 * slack) / (1 + k * lever) + pull) * lever / b.ring_size;
     }
     EXPECT_NEAR(b.moment / moment, 1, 0.02) << k << " /mm";
@@ -121,12 +121,13 @@ TEST(Bending, StentOnAnArcHasItsStatedStiffnessAndFreeLess) {
   const Stent stent = add_stent(system, spec, "stent", grid, arc(grid, 1e-9, spec.length), radii);
   system.x = place_grid(grid, frames, radii);
   const Frame& held = frames[first_held(grid)];
-  const double film = pi * 1.5 * 1.5 * 1.5 * 0.3; // its weak film comes on top
+  const double film = pi * 1.5 * 1.5 * 1.5 * 0.3; // the weak film of the stent's grid adds this stiffness
   EXPECT_NEAR(moment_on(system, grid, held) / k, spec.bending_stiffness + film, 0.02 * spec.bending_stiffness);
-  // a trace of pressure is what the residual is taken against
+  // The residual is relative to the applied forces. A small pressure gives it a scale.
   system.add_force(stent.body, std::make_unique<Pressure>(system.body(stent.body).triangles, system.x, 1e-3));
   balance(system, grid, 1e-2);
-  // as it is: balanced, the grid folds along its diagonals, whose hinges are the softer ones
+  // In balance the stent is softer than stated: the grid folds along its diagonals, where the hinges are softer.
+  // Today's value is recorded.
   EXPECT_NEAR(moment_on(system, grid, held) / k, 12.8, 0.6);
 }
 

@@ -1,4 +1,7 @@
-"""A lumen that a coarser one carries: the same results within a per cent, and refusals of another vessel."""
+"""A coarse lumen (`coarse_lumen` of a scene) carries the fine one: the engine computes on the coarse surface only.
+
+The results must be those of the fine lumen within about a per cent. A coarse lumen of another vessel is refused.
+"""
 
 import json
 import subprocess
@@ -19,7 +22,7 @@ def deploy(binary, scene, out):
 
 
 def scene_with(folder, fine, coarse, name="scene.json"):
-    """A scene of the lumen `fine` that names the lumen of another tube as its `coarse_lumen`; None for none."""
+    """A scene of the lumen `fine`. Unless `coarse` is None, the lumen of this tube is its `coarse_lumen`."""
     path = scenes.write_scene(folder / "fine", fine, length=8.0, numerics={"device_edge_mm": 0.8})
     document = json.loads(path.read_text())
     if coarse:
@@ -32,7 +35,7 @@ def scene_with(folder, fine, coarse, name="scene.json"):
 
 @pytest.fixture(scope="module")
 def runs(binary, tmp_path_factory):
-    """Folders of results on the fine lumen alone, and carried by the coarse one."""
+    """Folders of two results: on the fine lumen alone, and on the fine lumen carried by the coarse one."""
     folder = tmp_path_factory.mktemp("coarse_lumen")
     for name, coarse in (("alone", None), ("carried", COARSE)):
         result = deploy(binary, scene_with(folder, FINE, coarse, f"{name}.json"), folder / name)
@@ -55,7 +58,8 @@ def test_areas_are_those_of_the_fine_lumen(runs):
 
 
 def test_the_fine_surface_is_written_and_the_coarse_one_beside_it(runs):
-    """The lumen keeps its triangles; its points lie where the fine run has them. The other file has the forces."""
+    """lumen.vtp keeps its triangles, and its points lie where the run on the fine lumen has them. The forces are in
+    coarse_lumen.vtp, because they act on the coarse surface."""
     before = vtp.read_triangles(runs[0].parent / "fine" / "lumen.vtp", "")
     alone, carried = (vtp.read_triangles(folder / "lumen.vtp", "") for folder in runs)
     assert np.array_equal(vtp.triangles(carried), vtp.triangles(before))
@@ -98,7 +102,8 @@ class TubePart(scenes.Tube):
     "other", [scenes.Tube(length=24, edge=0.8, lesion_length=8), TubePart(0, 20)], ids=["straight", "shorter by 4 mm"]
 )
 def test_another_vessel_is_refused_before_any_stage(binary, tmp_path, other):
-    """Its wall is farther than a radius from a point of the lumen, which it cannot carry. Exit code 2, no results."""
+    """A point of the lumen is farther than a radius from the coarse wall, which therefore cannot carry this point. The
+    exit code is 2, and there are no results."""
     result = deploy(binary, scene_with(tmp_path, FINE, other), tmp_path / "out")
     assert result.returncode == 2 and "residual" not in result.stderr
     assert "coarse_lumen is not this lumen on longer edges" in result.stderr, result.stderr[-500:]
@@ -106,7 +111,7 @@ def test_another_vessel_is_refused_before_any_stage(binary, tmp_path, other):
 
 
 def test_a_lumen_that_is_a_little_shorter_carries_it(binary, tmp_path, runs):
-    """Its ends are 1 mm within those of the lumen. The treated segment comes out the same."""
+    """The coarse lumen ends 1 mm before the lumen at both ends. The areas of the segment must stay the same."""
     result = deploy(binary, scene_with(tmp_path, FINE, TubePart(1, 23)), tmp_path / "out")
     assert result.returncode == 0, result.stderr[-500:]
     assert areas(tmp_path / "out").mean() == pytest.approx(areas(runs[0]).mean(), rel=0.01)

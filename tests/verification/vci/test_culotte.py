@@ -1,4 +1,7 @@
-"""The shipped bifurcation bench: a stent across a side branch, a second one through its side, kissing balloons."""
+"""The shipped bifurcation bench, a culotte.
+
+A stent lies across a side branch, a second stent goes through its side into the branch, and kissing balloons follow.
+"""
 
 import json
 import subprocess
@@ -12,13 +15,13 @@ from common import vtp
 
 pytestmark = pytest.mark.slow
 
-EDGES_MM = [0.4, 0.6]  # mm; the study's is 0.4
-DEEPEST_MM = 0.05  # mm, wanted in hard cases
+EDGES_MM = [0.4, 0.6]  # the study's edge is 0.4 mm
+DEEPEST_MM = 0.05  # limit of the penetration in hard cases
 
 
 @pytest.fixture(scope="module", params=EDGES_MM)
 def culotte(request, binary, run_module, repo_root, tmp_path_factory):
-    """Folder of the results of config/cases/culotte_bench.yaml with the lumen at an edge."""
+    """Folder of the results of config/cases/culotte_bench.yaml, with the lumen remeshed to an edge of EDGES_MM."""
     edge = request.param
     folder = tmp_path_factory.mktemp("culotte")
     case, anatomy, plan = (
@@ -42,7 +45,7 @@ def culotte(request, binary, run_module, repo_root, tmp_path_factory):
 
 
 def close_ends(surface):
-    """A device's tube with its ends filled, outward."""
+    """A device's tube with its ends closed and its normals outwards."""
     holes, normals = vtk.vtkFillHolesFilter(), vtk.vtkPolyDataNormals()
     holes.SetInputData(surface)
     holes.SetHoleSize(1e3)
@@ -54,7 +57,7 @@ def close_ends(surface):
 
 
 def signed_distances(points, surface):
-    """Signed distances (mm) of a surface's points from another one, positive outside."""
+    """Signed distances (mm) of the points of one surface from another surface, positive outside."""
     field = vtk.vtkImplicitPolyDataDistance()
     field.SetInput(surface)
     return np.array([field.EvaluateFunction(p) for p in vtk_to_numpy(points.GetPoints().GetData())])
@@ -73,7 +76,7 @@ def test_nothing_is_pierced(culotte):
 
 
 def test_no_device_leaves_the_lumen_in_any_stage(culotte):
-    """Every vertex of every balloon and stent, at each stage's end, from the frames written then."""
+    """Checks all vertices of balloons and stents at the end of each stage, from the frames."""
     stages = json.loads((culotte / "deployment.json").read_text())["stages"]
     furthest, seen = {}, 0
     for n in range(len(stages)):

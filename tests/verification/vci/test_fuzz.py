@@ -1,4 +1,5 @@
-"""Seeded mutations of each file that `vci deploy` reads: it answers, or refuses with a message; it never crashes."""
+"""Seeded mutations of each file that `vci deploy` reads. The program answers or refuses with a message. It must not
+crash."""
 
 import base64
 import functools
@@ -14,7 +15,7 @@ from fuzz_corpus import NUMERICS, TUBE, mutate_bytes, replace_with_odd_value
 from vci.benchmarks import scenes
 
 MUTANTS = int(os.environ.get("VCI_FUZZ_MUTANTS", 60))
-SEED = os.environ.get("VCI_FUZZ_SEED", "")  # for others than those that are always run
+SEED = os.environ.get("VCI_FUZZ_SEED", "")  # another text gives other mutants than the usual ones
 SECONDS = 30
 
 
@@ -24,12 +25,13 @@ def scene(tmp_path_factory):
 
 
 def limits(sanitized):
-    if not sanitized:  # the sanitizer's shadow takes terabytes of addresses
+    if not sanitized:  # the sanitizer's shadow memory takes terabytes of addresses
         resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-# No file of some kB is worth more room: the limit above makes an allocation throw, the sanitizer's ends the program.
+# A file of some kB needs no large allocation. Under the limit above such an allocation throws, and the program may
+# refuse the file. The sanitizer's limit ends the program, so that the test fails.
 SANITIZER = {"ASAN_OPTIONS": "max_allocation_size_mb=256"}
 
 
@@ -97,7 +99,10 @@ def test_a_block_of_no_size(binary, scene):
 
 
 def test_the_unchanged_scene_is_read(binary, scene):
-    """Else every mutant would be refused for one and the same reason."""
+    """The unchanged scene passes all checks and is refused only when it finds no force balance.
+
+    If a check of the files refused it, every mutant would be refused for the same reason.
+    """
     command = [str(binary("vci")), "deploy", str(scene), "--out", str(scene.parent / "out")]
     result = subprocess.run(command, text=True, capture_output=True, timeout=SECONDS)
     assert result.returncode == 3 and "force balance" in result.stderr, result.stderr

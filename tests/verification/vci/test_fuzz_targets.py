@@ -1,4 +1,4 @@
-"""The fuzz targets of tests/fuzz, in one process each, over the seeds of libFuzzer and seeded mutants of them."""
+"""The fuzz targets of tests/fuzz read libFuzzer's seeds and mutants of these seeds, each target in one process."""
 
 import os
 import subprocess
@@ -27,7 +27,8 @@ def test_each_reader_answers_or_refuses(binary, files, tmp_path, reader):
 
 @pytest.mark.slow
 def test_seeds_are_read_in_every_form(binary, files, tmp_path):
-    """ascii, base64 within the elements, appended raw or base64, of 32 or 64 bits, by each of VTK's compressors."""
+    """The seeds have all forms of VTK's files: ASCII, base64 within the elements, appended raw or as base64, 32 or 64
+    bits, and each of VTK's compressors."""
     (tmp_path / "scene.json").write_bytes(files["scene"]["plain"])
     assert len(files["lumen"]) == 25
     for form in files["lumen"]:

@@ -1,4 +1,4 @@
-"""The hard cases that take seconds: each must end in force balance, with bounded penetration."""
+"""The quicker ones of the hard cases: each must end in force balance, with bounded penetration."""
 
 import csv
 import json
@@ -11,7 +11,8 @@ from vci.benchmarks.hard_cases import CASE_NAMES, CASES, MEAN_LIMIT_MM, WORST_LI
 from vci.benchmarks.scenes import Tube, write_scene
 
 TOLERANCE = 3e-3
-# Few vertices bear these, and the one-sided law lets each in by its load: the mean over them is above its limit.
+# In these cases few vertices carry the contact load. The one-sided law lets a vertex penetrate according to its load.
+# The mean penetration is therefore above its limit.
 ABOVE_MEAN_LIMIT = {
     "stenosis 90 %",
     "calcium x1000, concentric, 0.5 mm",
@@ -43,7 +44,7 @@ def table(binary, run_module, tmp_path_factory):
     return rows
 
 
-# at 0.25 mm they take three times as long; the culotte has tests of its own
+# Cases with edges of 0.25 mm take three times as long. The culotte has its own tests.
 QUICK_CASES = [case for case in CASE_NAMES if "0.25 mm" not in case and case != "culotte"]
 
 
@@ -73,7 +74,8 @@ def test_the_first_step_does_not_decide_the_areas(binary, run_module, tmp_path):
 
 @pytest.mark.parametrize("limit", [0.03, 0.04])
 def test_a_stage_ends_only_when_no_vertex_is_deeper_than_asked(binary, tmp_path, limit):
-    """If nothing is asked, the case is 0.041 to 0.051 mm deep, by the first step's length and the processor."""
+    """Without `maximal_penetration_mm` the deepest vertex of this case is 0.041 to 0.051 mm deep. The depth varies with
+    the length of the first step and with the processor."""
     tube, scene_options = CASES["90 %, eccentric, calcium x1000"]
     scene = write_scene(tmp_path, tube, **(scene_options | {"numerics": {"maximal_penetration_mm": limit}}))
     command = [binary("vci"), "deploy", scene, "--out", tmp_path / "out"]
@@ -84,7 +86,7 @@ def test_a_stage_ends_only_when_no_vertex_is_deeper_than_asked(binary, tmp_path,
 
 
 def expected_failures(cases, failing):
-    """The cases as parameters, those of `failing` expected to break their limit."""
+    """Test parameters for the cases. Those in `failing` are expected to break their limit."""
     mark = pytest.mark.xfail(strict=True, reason="deeper than wanted: vci/measured.md")
     return [pytest.param(case, marks=mark if case in failing else ()) for case in cases]
 
@@ -102,7 +104,7 @@ def test_ordinary_contact_is_thinner_than_its_threshold(table):
 
 
 def test_a_refusal_is_a_row_with_its_reason(binary, run_module, tmp_path):
-    """A scene that cannot balance in one step is refused; the table says at which stage and residual."""
+    """A scene that cannot balance in one step is refused. The table names the stage."""
     scene = write_scene(tmp_path / "scene", Tube(edge=0.8), numerics={"maximal_steps_per_stage": 1})
     arguments = ["--out", tmp_path / "out", "--build", binary("vci").parent, "--only", "slivers", "--scenes", scene]
     result = run_module("vci.benchmarks.hard_cases", *arguments, timeout=300)
@@ -116,7 +118,7 @@ def test_a_refusal_is_a_row_with_its_reason(binary, run_module, tmp_path):
 @pytest.mark.parametrize("curvature", [0, 0.12, 0.3])
 @pytest.mark.parametrize("eccentricity", [0, 0.8])
 def test_generated_tube(curvature, eccentricity):
-    """Areas of the lumen's sections, plaque between lumen and vessel, outward triangles, curvature of the axis."""
+    """Triangles face outwards. The throat's radius, the thickest plaque and the axis's curvature are as asked for."""
     tube = Tube(curvature=curvature, eccentricity=eccentricity, edge=0.4)
     points, triangles, radius, plaque, kind = tube.mesh()
     around = round(2 * np.pi * tube.radius / tube.edge)

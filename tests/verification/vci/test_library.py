@@ -1,4 +1,4 @@
-"""The engine as a library: installed, found by another project, and used as its example shows."""
+"""The engine as a library: it is installed, found by another CMake project, and used as in its example."""
 
 import pathlib
 import subprocess
@@ -30,7 +30,7 @@ def prefix(binary, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def program(prefix):
-    """The example, built against the installation alone."""
+    """The example program, built against the installation without the clone."""
     build = prefix.parent / "build"
     headers = [path.relative_to(prefix) for path in prefix.rglob("*.hpp")]
     assert pathlib.Path("include/vci/vci.hpp") in headers
@@ -48,7 +48,7 @@ def test_example_opens_the_artery(program, tmp_path):
 
 
 def test_python_package_is_installed(prefix, tmp_path):
-    """It works away from the clone, with its compiled module beside it."""
+    """The installed package works outside the clone, with its own compiled module."""
     packages = list(prefix.glob("lib/python3*/site-packages"))
     if not list(prefix.rglob("_engine*.so")):
         pytest.skip("the Python module is not built: run make build")

@@ -118,7 +118,7 @@ def assert_accepted(binary, scene):
 
 
 def test_a_scene_of_the_sound_lumen_runs(binary, scene):
-    """What the refusals above have in common is not the scene: rewritten without a change its lumen passes."""
+    """The refusals above are not due to the scene or to rewriting: a lumen rewritten without a change passes."""
     rewrite_lumen(scene, lambda points, triangles, arrays: (points, triangles))
     assert_accepted(binary, scene)
 
@@ -203,7 +203,7 @@ def test_arrays_of_cells_hold_whole_numbers(binary, scene, name, value):
 
 
 def test_a_branch_of_whole_numbers_is_accepted_as_any_number(binary, scene):
-    """A single branch, whatever its number, and stored as floating point."""
+    """The branch_id of a single branch may be any whole number, and may be stored as floating point."""
     path = scene.parent / "lumen.vtp"
     lumen = vtp.read(path, "")
     vtp.add_array(lumen.GetCellData(), "branch_id", np.full(lumen.GetNumberOfCells(), -3.0))

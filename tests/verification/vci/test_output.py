@@ -1,4 +1,4 @@
-"""What a run of `vci deploy` leaves behind where it fails: a message, an exit code, and no results."""
+"""A failing run of `vci deploy` leaves a message, an exit code and no results."""
 
 import json
 import os
@@ -29,13 +29,15 @@ def deploy(binary, scene, out, largest_file=None):
         capture_output=True,
         timeout=100,
         preexec_fn=limit if largest_file else None,
-        restore_signals=False,  # a signal ignored: a failed write, as on a full disk, instead of the program's end
+        # Python ignores SIGXFSZ, and the program inherits this. A write beyond the limit then fails as on a full disk,
+        # instead of ending the program.
+        restore_signals=False,
     )
 
 
 @pytest.fixture(scope="module")
 def complete_run(binary, tmp_path_factory):
-    """(scene, sizes of the files that a run writes whole, bytes)."""
+    """(scene, {name: size in bytes} of the files of a run without a limit)."""
     folder = tmp_path_factory.mktemp("output")
     scene = scene_in(folder)
     assert deploy(binary, scene, folder / "out").returncode == 0
@@ -44,7 +46,7 @@ def complete_run(binary, tmp_path_factory):
 
 @pytest.mark.slow
 def test_a_file_cut_short_is_no_result(binary, complete_run, tmp_path):
-    """The limit a byte below a file's size, from the longest down to some bytes: whichever it hits is told."""
+    """The limit is a byte below the size of each file in turn, then very small. The failed write must be reported."""
     scene, sizes = complete_run
     for limit in [*(size - 1 for size in sizes.values()), 1000, 50]:
         result = deploy(binary, scene, tmp_path / "out", limit)
@@ -53,7 +55,7 @@ def test_a_file_cut_short_is_no_result(binary, complete_run, tmp_path):
 
 
 def test_deployment_json_cut_short(binary, complete_run, tmp_path):
-    """With a name that makes it the longest, it alone is."""
+    """A very long case name makes deployment.json the longest file, so that the limit stops this file only."""
     scene, sizes = complete_run
     document = json.loads(scene.read_text())
     document["case"] = "x" * (2 * max(sizes.values()))
@@ -82,7 +84,10 @@ def test_a_scene_that_is_refused_leaves_no_results_of_another(binary, complete_r
 
 
 def test_what_a_signal_left_goes_at_the_next_run(binary, complete_run, tmp_path):
-    """Folders of processes that are no more; another run's under way, and what is not ours, stay."""
+    """Partial results of a process that has ended are removed.
+
+    The folder of a process that still runs stays, and so do folders whose names only look like partial results.
+    """
     scene, _ = complete_run
     ended = subprocess.Popen(["true"])
     ended.wait()

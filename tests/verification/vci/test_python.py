@@ -1,4 +1,4 @@
-"""The engine from Python: the page that shows it runs as printed, and arrays, errors, threads and logs go both ways."""
+"""The engine from Python. The code of docs/python.md runs as printed there; arrays, errors, threads and logs work."""
 
 import json
 import os
@@ -23,7 +23,7 @@ pytest.importorskip("vci._engine", reason="the Python module is not built: run m
 
 
 def page_blocks():
-    """[(code, what it prints)] of the page."""
+    """[(code, its printed output)] of the page."""
     return re.findall(r"```python\n(.*?)```\n(?:```text\n(.*?)```)?", PAGE.read_text(), re.S)
 
 
@@ -36,7 +36,7 @@ def test_page_prints_what_it_says(capsys):
 
 
 def test_page_lists_every_name():
-    """The table of names has all that the package offers, and nothing else."""
+    """The page's table of names has exactly the names that the package offers."""
     table = PAGE.read_text().partition("## Names")[2].partition("\n## ")[0]
     listed = set(
         re.findall(r"`([A-Za-z_]+(?:\.[a-z_]+)?)(?:\(.*?\))?`", "".join(re.findall(r"^\| (`.*?) \| ", table, re.M)))
@@ -45,7 +45,7 @@ def test_page_lists_every_name():
     for name in vci.__all__:
         if isinstance(getattr(vci, name), type) and not issubclass(getattr(vci, name), Exception):
             offered |= {f"{name}.{inner}" for inner in vars(getattr(vci, name)) if not inner.startswith("_")}
-    classes = {"Result", "Device"}  # not made by a call: their attributes are listed
+    classes = {"Result", "Device"}  # users do not construct these, so the page lists only their attributes
     assert listed == offered - classes
 
 
@@ -78,7 +78,8 @@ STEPS = [step(), step("second", "s", "stent", pressure_bar=11)]
 
 
 def test_a_coarse_lumen_moves_the_fine_one(vessel):
-    """The fine lumen keeps its points' order; areas agree with its own deployment, and each step can be watched."""
+    """The fine lumen keeps its points' order, and its areas agree with a deployment without the coarse lumen. A
+    Deployment gives the same points as one call."""
     coarse = lumen_of(Tube(length=20, lesion_length=7, edge=1.1))
     alone, carried = (vci.deploy(vessel, DEVICES, STEPS, coarse_lumen=given) for given in (None, coarse))
     assert carried.points.shape == vessel.points.shape and np.array_equal(carried.triangles, alone.triangles)
@@ -112,8 +113,10 @@ json.dump(result.readouts, open(f"{folder}/readouts.json", "w"))
 
 
 def test_same_as_the_program(binary, tmp_path):
-    """A scene of files by the program, and the same arrays by the module, end in the same lumen. Python is started with
-    the C library's functions that the program asks for (docs/python.md)."""
+    """The program with a scene's files and the module with the same arrays give the same lumen.
+
+    Python is started with the GLIBC_TUNABLES that the program sets for itself (docs/python.md).
+    """
     scene = write_scene(tmp_path, Tube(length=20, lesion_length=7, edge=0.8))
     subprocess.run([binary("vci"), "deploy", scene, "--out", tmp_path / "out"], check=True, capture_output=True)
     environment = {**os.environ, "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-FMA4"}
@@ -127,7 +130,7 @@ def test_same_as_the_program(binary, tmp_path):
 
 
 def test_steps_one_by_one(vessel):
-    """The state follows the steps, and the end is that of all at once."""
+    """The points change with each step, and the last state is that of a single call of vci.deploy."""
     deployment = vci.Deployment(vessel, DEVICES, STEPS)
     assert (deployment.steps, deployment.steps_done) == (2, 0)
     assert np.array_equal(deployment.points, vessel.points)
@@ -218,7 +221,7 @@ def test_log_and_its_errors(vessel):
 
 
 def test_threads_run_on(vessel):
-    """While a deployment computes, other threads do; two deployments at once give what each gives alone."""
+    """Other threads run while a deployment computes. Two deployments at the same time give equal results."""
     found, counted = [], 0
     workers = [
         threading.Thread(target=lambda: found.append(vci.deploy(vessel, DEVICES, STEPS).points)) for _ in range(2)
@@ -252,14 +255,17 @@ except KeyboardInterrupt:
 
 
 def test_interrupt_ends_a_computation():
-    """Ctrl-C is heard within a run, not only at its end, by the main thread; a test may run in another."""
+    """Ctrl-C ends a run early, not only at its end.
+
+    Python delivers it to the main thread. A test may run in another thread, so this one starts a process.
+    """
     command = [sys.executable, "-c", INTERRUPT_SCRIPT, str(pathlib.Path(__file__).parent), *sys.path]
     process = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert process.stdout.strip() == "interrupted early", process.stderr
 
 
 def test_arguments_of_other_kinds(vessel):
-    """Tuples and numpy's numbers are taken as lists and numbers; objects that are neither are refused."""
+    """Tuples and numpy's numbers are accepted like lists and numbers. Other objects are refused."""
     once = vci.deploy(vessel, DEVICES, STEPS[:1])
     numbers = {"b": dict(balloon(2.5, 8), length_mm=np.int64(8), nominal_diameter_mm=np.float64(2.5))}
     assert np.array_equal(vci.deploy(vessel, numbers, tuple(STEPS[:1])).points, once.points)
@@ -268,7 +274,8 @@ def test_arguments_of_other_kinds(vessel):
 
 
 def test_without_the_compiled_module(tmp_path):
-    """The benchmarks run without it; its names say how to get it."""
+    """Without the compiled module the benchmarks can be imported. Its names raise an error with the command to build
+    it."""
     script = "import vci.benchmarks.scenes, vci\ntry: vci.deploy\nexcept ImportError as error: print(error)"
     process = subprocess.run(
         [sys.executable, "-c", script], cwd=ROOT, env={"PATH": "/usr/bin"}, capture_output=True, text=True

@@ -1,4 +1,4 @@
-"""The values in deployment.json of stents and of the axis, compared with what was deployed."""
+"""The read-outs in deployment.json of stents and of the vessel's axis, compared with the deployed scene."""
 
 import json
 import subprocess
@@ -86,7 +86,10 @@ def test_a_stent_straightens_a_bend(deploy):
 
 
 def test_without_ties_contact_alone_holds_the_stent(deploy):
-    """With a tie stiffness of 0 there are no ties. A constant force in their place would press on the wall for ever."""
+    """With a tie stiffness of 0 there are no ties, and contact alone must balance the stent.
+
+    Were a constant force in place of the ties, it would press on the wall for ever.
+    """
     tube = scenes.Tube(edge=0.8)
     tied, free = (deploy(tube, numerics=COARSE_NUMERICS | {"tie_stiffness_mpa_per_mm": k}) for k in (60, 0))
     assert max(s["residual"] for s in free["stages"]) <= 3e-3

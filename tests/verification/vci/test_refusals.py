@@ -13,7 +13,7 @@ TUBE = scenes.Tube(length=24, edge=1.2, lesion_length=6)
 
 @pytest.fixture
 def scene(tmp_path):
-    """(document, run): run(document) deploys it -> (exit code, messages)."""
+    """(document of scene.json, its path)."""
     path = scenes.write_scene(tmp_path / "case", TUBE, length=8.0, numerics={"device_edge_mm": 1.0})
     return json.loads(path.read_text()), path
 
@@ -52,7 +52,7 @@ def test_a_pressure_beyond_the_chart_that_the_chart_may_still_say(binary, scene)
     device(scene[0], 2)["pressure_bar"] = 27
     assert "end of the balloon's chart" in refusal(binary, scene)
     device(scene[0], 2)["pressure_bar"] = 25
-    device(scene[0], 2)["device"] = "none"  # refused for another reason: the pressure no longer
+    device(scene[0], 2)["device"] = "none"  # now the unknown device is refused, not the pressure
     assert "does not define" in refusal(binary, scene)
 
 
@@ -67,12 +67,12 @@ def test_a_balloon_too_wide_for_the_stent(binary, scene):
     """The balloon is refused inside the stent, and where it only reaches into the stent. Beside the stent it dilates
     the vessel alone, which is allowed."""
     document = scene[0]
-    document["devices"]["stent"]["maximal_diameter_mm"] = 3.2  # the postdilatation's: 3.26 mm at 16 bar
+    document["devices"]["stent"]["maximal_diameter_mm"] = 3.2  # the postdilatation opens to 3.26 mm at 16 bar
     assert "beyond its maximal diameter" in refusal(binary, scene)
     device(document, 2)["centre_s_mm"] = 12 + 4 + 2.5
     assert "beyond its maximal diameter" in refusal(binary, scene)
     device(document, 2)["centre_s_mm"] = 12 + 4 + 4
-    document["segment"] = {"branch": "main", "s_start_mm": 5, "s_end_mm": 26}  # refused for another reason
+    document["segment"] = {"branch": "main", "s_start_mm": 5, "s_end_mm": 26}  # now only the segment is refused
     assert "segment" in refusal(binary, scene)
     device(document, 1)["pressure_bar"] = 16
     assert "beyond its maximal diameter" in refusal(binary, scene), "by its own balloon"
@@ -169,7 +169,7 @@ def test_a_number_of_steps_that_is_none(binary, scene, number):
 
 
 def catalogue_limits(repo_root, kind):
-    """{key: [least, largest]} of the numbers in the schema of a device family that a scene's device has, too."""
+    """{key: [least, largest]} of the numbers in the schema of a device family; for stents also those of a design."""
     schema = yaml.safe_load((repo_root / f"config/schemas/{kind}.schema.yaml").read_text())["properties"]
     numbers = schema | (schema["designs"]["items"]["properties"] if kind == "stent" else {})
     return {key: [entry["minimum"], entry["maximum"]] for key, entry in numbers.items() if "maximum" in entry}
@@ -177,8 +177,8 @@ def catalogue_limits(repo_root, kind):
 
 @pytest.mark.parametrize("kind, least_keys", [("balloon", 4), ("stent", 9)])
 def test_the_engine_takes_what_the_catalogue_takes(binary, scene, repo_root, kind, least_keys):
-    """The limits of each number of a device family are within the engine's limits. So no plan is refused as late as
-    after the anatomy."""
+    """The catalogue's limits of each number of a device are within the engine's limits. Otherwise a plan could pass the
+    catalogue and be refused only by the engine, after the anatomy step."""
     document, _ = scene
     entry = next(entry for entry in document["devices"].values() if entry["kind"] == kind)
     limits = catalogue_limits(repo_root, kind)
@@ -200,6 +200,6 @@ def test_the_engine_takes_what_the_catalogue_takes(binary, scene, repo_root, kin
 
 
 def refusal_of_reading(binary, scene):
-    """The refusal of a scene whose last step names a device that is not there, if its devices are not refused."""
+    """The first refusal of the scene, whose last step names a missing device. The devices are checked before that."""
     device(scene[0], 2)["device"] = "none"
     return refusal(binary, scene)

@@ -1,4 +1,4 @@
-"""A deployment has the same bits on every processor, whoever wrote the last digits of its input."""
+"""A deployment gives the same bits on every processor, and also if the last digits of its input differ."""
 
 import os
 import subprocess
@@ -11,7 +11,7 @@ from vci.benchmarks.scenes import Tube, write_scene
 
 
 def deployed(binary, folder, tunables=None, noise_mm=0.0):
-    """Points (n, 3) of a deployed tube whose points are `noise_mm` mm off at random; tunables: GLIBC_TUNABLES."""
+    """Points (n, 3) of a deployed tube. noise_mm: largest random shift of its points; tunables: GLIBC_TUNABLES."""
     folder.mkdir()
     tube = Tube(length=20, lesion_length=7, edge=0.8)
     mesh = tube.mesh
@@ -41,7 +41,7 @@ class TubeWithMesh:
 
 @pytest.mark.slow
 def test_the_processor_does_not_matter(binary, tmp_path):
-    """The C library's functions are those without fused multiply-add, whatever else the user tunes."""
+    """The program uses the C library's functions without fused multiply-add, whatever else GLIBC_TUNABLES sets."""
     usual = deployed(binary, tmp_path / "usual")
     plain = deployed(binary, tmp_path / "plain", "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2")
     other = deployed(binary, tmp_path / "other", "glibc.malloc.check=0")

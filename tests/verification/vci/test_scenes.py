@@ -18,7 +18,7 @@ FORCES = ("pressure_n", "contact_n", "foundation_n", "residual_n")
 
 @dataclasses.dataclass(frozen=True)
 class PlacedTube(scenes.Tube):
-    """A narrowed tube, mirrored at y = 0 or moved; `moved` is (rotation (3, 3), shift (3,) in mm)."""
+    """A narrowed tube that may be mirrored at y = 0 or moved; `moved` is (rotation (3, 3), shift (3,) in mm)."""
 
     lesion_length: float = 8.0
     edge: float = 0.6
@@ -136,7 +136,7 @@ def test_residual_recomputed_from_the_files(deploy):
     reported = summary(folder)["stages"][-1]["residual"]
     assert 0 < found <= 3e-3
     assert found == pytest.approx(reported, rel=1e-9)
-    # what the stent presses on the wall, the wall presses on the stent
+    # contact forces on the wall and on the stent are equal and opposite
     sums = [np.abs(point_array(s, "contact_n")).sum() for s in states]
     assert np.linalg.norm(contact.sum(axis=0)) < 1e-9 * sum(sums) and min(sums) > 0.1
 
@@ -214,7 +214,7 @@ def test_no_device_vertex_outside_the_lumen(deploy):
 
 
 def test_areas_converge_with_the_mesh(deploy):
-    """Contact and sections follow the smooth surface through the vertices: coarse meshes have little bias."""
+    """Contact and sections use a smooth surface through the vertices, so areas on coarse meshes have little bias."""
     mean = {edge: areas(deploy(edge=edge)).mean() for edge in (0.8, 0.6, 0.4)}
     assert mean[0.6] == pytest.approx(mean[0.4], rel=0.01)
     assert mean[0.8] == pytest.approx(mean[0.4], rel=0.015)

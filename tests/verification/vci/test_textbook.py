@@ -1,4 +1,4 @@
-"""The baseline `numerics.integration: textbook`, and frames of a run."""
+"""The baseline `numerics.integration: textbook`, mass-spring walls, and the frames of a run."""
 
 import json
 import subprocess
@@ -16,7 +16,8 @@ TUBE = scenes.Tube(length=24, edge=0.5, lesion_length=8)
 
 def deploy(program, folder, *options, steps=1, numerics=None, wall=None):
     """deployment.json of a small tube with a predilatation and, for two steps, a stent; options go to the program."""
-    numerics = numerics or {"region_margin_mm": 2}  # which textbook integration, of the whole vessel, refuses
+    # Textbook integration moves the whole vessel and refuses a region margin.
+    numerics = numerics or {"region_margin_mm": 2}
     scene = scenes.write_scene(folder, TUBE, numerics=numerics, wall=wall)
     document = json.loads(scene.read_text())
     document["procedure"] = document["procedure"][:steps]
@@ -82,7 +83,7 @@ def test_frames_show_each_stage_and_every_nth_step(adaptive):
 
 
 def area_vectors(surface):
-    """A third of the area vectors (mm2) of the triangles round each vertex, (n, 3)."""
+    """(n, 3): for each vertex a third of the sum of the area vectors (mm2) of the triangles round it."""
     points = vtk_to_numpy(surface.GetPoints().GetData())
     triangles = vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
     a, b, c = (points[triangles[:, k]] for k in range(3))
@@ -93,7 +94,11 @@ def area_vectors(surface):
 
 
 def test_frames_have_the_forces_of_their_states(adaptive):
-    """At a stage's end they balance and are the result's; contact is equal and opposite, pressure fits the shape."""
+    """The forces of each frame belong to the shape of this frame.
+
+    A balloon's pressure forces are proportional to its area vectors. Contact forces sum to zero. At the end of a stage
+    the residual of the forces is the reported one. The forces of the last frame are those of the result.
+    """
     result, folder = adaptive
     listed = xml.etree.ElementTree.parse(folder / "frames" / "frames.pvd").getroot().findall(".//DataSet")
     states = {}

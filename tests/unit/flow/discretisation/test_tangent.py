@@ -1,4 +1,4 @@
-"""The matrix between the free dofs is the derivative of the residual, entry by entry, each time it is filled."""
+"""The matrix of the free dofs equals the derivative of the residual in each entry, each time the matrix is filled."""
 
 import json
 

@@ -1,4 +1,7 @@
-"""The error estimate: dual-weighted residual, Richardson's on two meshes, the artificial viscosity."""
+"""The error estimate from its parts: dual-weighted residual, Richardson extrapolation, artificial viscosity.
+
+Patch recovery, which the dual-weighted residual needs, is tested too.
+"""
 
 import types
 
@@ -137,7 +140,7 @@ def test_recovery_returns_a_cubic_from_its_nodal_values():
     pressure = patches.recover(2, ten[:, :4], quadratic(nodes), targets, own, every)
     assert np.allclose(velocity, cubic(targets), atol=1e-6)
     assert np.allclose(pressure, quadratic(targets), atol=1e-6)
-    assert np.abs(cubic(nodes)[ten].mean(axis=1) - cubic(targets)).max() > 0.01  # a mean over the nodes would not do
+    assert np.abs(cubic(nodes)[ten].mean(axis=1) - cubic(targets)).max() > 0.01  # a mean over the nodes would fail
 
 
 def test_recovery_does_not_depend_on_how_many_patches_are_fitted_together(monkeypatch):

@@ -1,4 +1,4 @@
-"""The error estimate at places for which the mesh was not chosen: error fields, outlets, pull-back."""
+"""The error estimate at outlets and along the pull-back, from the error fields."""
 
 import json
 import types
@@ -25,7 +25,7 @@ MAP = 12000.0
 
 
 class _Case:
-    """A mesh and its steady flow, as solvers.solved_mesh.SolvedMesh."""
+    """A mesh and its steady flow, with the attributes of solvers.solved_mesh.SolvedMesh that pointwise uses."""
 
     def __init__(self, folder, surface, branches, parents, document, probes_mm):
         tubes.write_case(folder, surface, branches, parents)
@@ -56,7 +56,7 @@ class _Case:
         self.outflows = self.boundaries.outflows(self.problem.state.x.array)
 
     def places(self):
-        """All outlets, and the pull-back."""
+        """(pointwise.FfrPlaces of all outlets and the pull-back, table of the pull-back)."""
         table = ffr.pullback(self.tree, self.sampler, MAP, lambda branch, s_mm: 0.0)
         return pointwise.FfrPlaces(self, self.case, self.outlet_names, table), table
 
@@ -67,7 +67,7 @@ def _document(branches, resistances):
 
 @pytest.fixture(scope="module")
 def fork(tmp_path_factory):
-    """A vessel with one side branch, resistances 1 to 10."""
+    """A vessel with one side branch, whose outlet has ten times the resistance of the main one."""
     surface, branches = tubes.fork(length=16.0, at=7.0, side_length=6.0)
     document = _document(branches, [5e9, 5e10])
     return _Case(tmp_path_factory.mktemp("fork"), surface, branches, {"side1": ("main", 7.0)}, document, [4.0, 12.0])
@@ -122,8 +122,8 @@ def test_parts_are_the_derivative_of_ffr(case):
 
 
 def test_loads_say_what_recovery_makes_of_values(case):
-    """For each group of targets: the sum of load times recovered value equals the product of the sparse matrix with the
-    values."""
+    """`recover_transposed` gives a sparse matrix. For each group of targets its product with the values must equal the
+    sum of load times recovered value."""
     nodes, cells = case.space.nodes()
     random, patches = np.random.default_rng(6), recovery.Patches(nodes, cells)
     values, targets = random.standard_normal((len(nodes), 1)), nodes[cells].mean(axis=1)
@@ -139,8 +139,8 @@ def test_loads_say_what_recovery_makes_of_values(case):
 
 
 def test_interpolation_is_told_apart_from_the_values(fork):
-    """A quadratic pressure is known at the corners and read linearly. The error of this is what interpolation_error_pa
-    gives."""
+    """A quadratic pressure is given at the corners, and the sampler interpolates it linearly. interpolation_error_pa
+    must give the error of this interpolation."""
 
     def quadratic(points):
         return 1e6 * (1e3 * points[:, 0] - 6.0) ** 2
@@ -210,7 +210,7 @@ def test_an_outlet_behind_an_extension_has_the_error_of_its_vessels_end(fork):
     keep their own error."""
     _, field = error_field.solve_error_field(fork, fork.document, fork.tree)
     plain, _ = _estimated(fork, field=field)
-    last = [2 + 32, 2 + 33 + 12]  # of the branches' points
+    last = [2 + 32, 2 + 33 + 12]  # the last points of the branches, behind the two outlets
     assert (np.abs(plain[last] - plain[:2]) > 1e-3 * plain[last]).all()
     turned = {**fork.document, "outlets": fork.document["outlets"][::-1]}
     for longer, document in ([3], fork.document), ([2, 3], turned):
@@ -239,6 +239,6 @@ def test_the_files_have_the_errors(fork, tmp_path, model):
     assert table["ffr_error_estimate"].to_numpy() == pytest.approx(wanted[2:], rel=1e-3, abs=1e-3 * wanted.max())
     assert answer["pullback_error_estimate"]["largest"] == pytest.approx(table["ffr_error_estimate"].max())
     main = table[table["branch"] == "main"]
-    for probe in answer["probes"]:  # plus the interpolation error at a point
+    for probe in answer["probes"]:  # the pull-back's estimate has the interpolation error at its points on top
         near = np.interp(probe["s_mm"], main["s_mm"], main["ffr_error_estimate"])
         assert probe["error_estimate"] <= near * 1.01 and near <= probe["error_estimate"] + 5e-4

@@ -1,4 +1,4 @@
-"""Centrelines that are refused: bad files, and centrelines of another lumen."""
+"""Centrelines in bad files, or of another lumen, are refused."""
 
 import dataclasses
 import json

@@ -1,4 +1,4 @@
-"""The jet behind a narrowing: its radius keeps to the throat and widens slowly."""
+"""The jet behind a narrowing starts with the throat's radius and widens slowly."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ def test_jet_keeps_the_throat_and_widens_slowly():
     radius = jet.jet_radius(branch, 0.1)
     s = branch.s_mm
     assert radius[s <= 15] == pytest.approx(branch.radius_mm[s <= 15])
-    # the jet leaves the wall where the wall's slope passes the spread; from there it grows by the spread
+    # The jet leaves the wall where the wall's slope exceeds the spread. From there its radius grows by the spread.
     behind = (s > 20) & (s < 24)
     assert np.diff(radius[behind]) == pytest.approx(0.1 * np.diff(s[behind]))
     assert 0.6 < radius[np.searchsorted(s, 15.5)] < 0.65

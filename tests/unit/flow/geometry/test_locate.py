@@ -1,4 +1,4 @@
-"""Points found in cells: the few nearest cells first, many for the rest."""
+"""The search for the cells that contain points. It tries a few near cells first, and many for the remaining points."""
 
 import numpy as np
 import pytest

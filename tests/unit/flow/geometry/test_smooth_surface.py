@@ -1,4 +1,4 @@
-"""Middle points on the smooth surface: order of convergence to a cylinder, rims that stay in their plane."""
+"""Middles of edges on the smooth surface converge to a cylinder, and rims stay in their plane."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,8 @@ from flow.geometry import smooth_surface
 
 
 def _radius_errors(edge_mm):
-    """Largest radius error of edge middles: (straight, smooth), away from the ends and at the rims."""
+    """Largest errors in mm: (radius at the middles of straight edges and of smooth edges, both away from the ends,
+    radius of smooth edges at the rims, shift of the rims out of their plane)."""
     tube = tubes.tube(8, lambda s: 1.5, edge_mm)
     edges, side = tube.edges()
     on_wall, on_rim = smooth_surface.edge_kinds(tube, edges, side)
@@ -23,7 +24,7 @@ def _radius_errors(edge_mm):
 def test_middles_converge_to_the_cylinder():
     coarse, fine = _radius_errors(0.6), _radius_errors(0.3)
     assert coarse[1] < 0.02 * coarse[0]
-    assert np.log2(coarse[1] / fine[1]) > 3.5  # fourth order; straight middles are of second
+    assert np.log2(coarse[1] / fine[1]) > 3.5  # the order is four; that of straight edges is two
     assert np.log2(coarse[0] / fine[0]) == pytest.approx(2, abs=0.2)
     assert coarse[2] < 1e-12  # a circular rim is met exactly
 

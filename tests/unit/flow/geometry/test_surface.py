@@ -1,4 +1,4 @@
-"""The tagged lumen surface: what is read, and what is refused."""
+"""The tagged lumen surface: a file is read as it was written, and bad surfaces are refused."""
 
 import dataclasses
 
@@ -60,13 +60,13 @@ def _moved(array, at, value):
 
 
 def _half_tagged(tube):
-    """Half of the outlet, to one side, as another outlet."""
+    """Tags the half of the outlet on one side as another outlet."""
     side = tube.points[tube.triangles].mean(axis=1)[:, 1] > 0
     return {"region": np.where((tube.region == 2) & side, 3, tube.region)}
 
 
 def _twice(tube):
-    """The tube and a smaller one inside it, of one tag."""
+    """The tube with a smaller tube inside it, both with the same tags."""
     smaller = 0.2 * (tube.points - [5, 0, 0]) + [5, 0, 0]
     return {
         "points": np.concatenate([tube.points, smaller]),

@@ -1,4 +1,4 @@
-"""Compares boundary values with the formulas of the method, evaluated by hand."""
+"""Boundary values equal the formulas of the method, evaluated by hand. Bad values and files are refused."""
 
 import json
 import math
@@ -108,7 +108,8 @@ WIRE = {"ffr_pre": 0.7, "ffr_post": None}
 
 @pytest.mark.parametrize("place", [{"branch": "main", "s_mm": 48.0}, {"point_mm": [48.0, 2.8, 0.0]}])
 def test_the_wires_sensor_is_one_more_probe(settings, place):
-    """The place is an arc length, or a point as far from the axis as the wall of a dilated vessel, which is allowed."""
+    """The place is an arc length or a point. The point is off the axis as far as the wall of a dilated vessel would be;
+    this is allowed."""
     measured = {**WIRE, "probe": place}
     document = boundary.make(_anatomy(), _tree(), PATIENT, settings, measured)
     *others, last = document["probes"]
@@ -138,7 +139,7 @@ def test_a_sensor_less_than_a_radius_beyond_the_end_is_at_the_end(settings, plac
 
 
 def test_unusual_values_are_said(settings):
-    """A wire's FFR that falls by the procedure, or an implausible inflow, gives a warning and is used all the same."""
+    """A measured FFR that is lower after the procedure, or an implausible inflow, gives a warning and is still used."""
     patient = PATIENT | {"hyperaemic_inflow_ml_per_min": 900, "lvm_g": None}
     measured = {"ffr_pre": 0.92, "ffr_post": 0.71, "probe": {"branch": "main", "s_mm": 48.0}}
     flow, swapped = boundary.make(_anatomy(), _tree(), patient, settings, measured)["warnings"]

@@ -1,4 +1,4 @@
-"""The flow into the tree: by the published law, by a territory's share, or measured; and other plausible flows."""
+"""The flow into the tree by the published law, by a territory's share, or as measured, and other plausible flows."""
 
 import pytest
 

@@ -30,7 +30,7 @@ def test_an_end_too_close_to_a_narrowing_is_extended_to_its_clearance():
     assert [(one.region_id, one.branch) for one in found] == [(1, "main"), (2, "main")]
     inlet, outlet = found
     assert outlet.distance_mm == pytest.approx(3.6, abs=0.3) and inlet.distance_mm == pytest.approx(5.6, abs=0.3)
-    # half of the clearance, since half the radius is left
+    # The outlet gets half of its clearance because half of the radius is left at the throat.
     assert outlet.length_mm + outlet.distance_mm == pytest.approx(6.0, rel=0.01)
     assert inlet.length_mm + inlet.distance_mm == pytest.approx(7.5, rel=0.01)
     assert outlet.direction == pytest.approx([1, 0, 0]) and inlet.direction == pytest.approx([-1, 0, 0])
@@ -70,7 +70,8 @@ def test_the_narrowing_that_asks_for_most_counts():
         return np.minimum(tubes.lesion(1.5, 0.7, 8, 6)(s), tubes.lesion(1.5, 0.45, 16, 4)(s))
 
     _, _, found = _needed(20.0, radius, inlet_clearance_diameters=0)
-    assert len(found) == 1 and found[0].distance_mm == pytest.approx(20 - 10.6, abs=0.4)  # the first's end
+    # The distance is measured from the end of the first narrowing, which is the stronger one.
+    assert len(found) == 1 and found[0].distance_mm == pytest.approx(20 - 10.6, abs=0.4)
     assert found[0].length_mm + found[0].distance_mm == pytest.approx(24.0, rel=0.01)
 
 
@@ -88,7 +89,7 @@ def test_the_network_goes_through_the_extensions():
 
 @pytest.fixture
 def mesh(monkeypatch):
-    """The name of a mesh of 9 cells; one named coarse.msh has 4."""
+    """Name of a mesh that counts as having 9 cells; a mesh named coarse.msh counts as having 4."""
     monkeypatch.setattr(extended.compat, "count_cells", lambda path: {"mesh": 9, "coarse": 4}[pathlib.Path(path).stem])
     return "mesh.msh"
 

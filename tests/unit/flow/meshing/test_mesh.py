@@ -1,4 +1,4 @@
-"""Volume meshes of tubes: volume, tags, quality, extension, and the refusal of bad ones."""
+"""Volume meshes of tubes: volume, tags, quality, repair of folds and slivers, and the refusal of bad meshes."""
 
 import dataclasses
 import json
@@ -20,7 +20,7 @@ from flow import settings as settings_module
 
 
 def _not_swept(patch):
-    """Makes the first attempt find nothing to sweep."""
+    """Replaces the first attempt of the mesher by one that finds nothing to sweep."""
 
     def no_spans(*_):
         raise hybrid.NoSpans("not wanted here")
@@ -41,7 +41,7 @@ def built():
 
 
 def _volume(quadratic):
-    """Volume by the mean of the cubic det J, exact on the Bezier lattice's nodes."""
+    """Volume in mm3. det J is cubic in a cell, so the mean of its Bezier coefficients is the exact mean of det J."""
     lattice = tet10._POINTS
     jacobian = np.einsum("tnx,pnr->tpxr", quadratic.points[quadratic.tetrahedra], tet10.gradients(lattice))
     bezier = np.linalg.det(jacobian) @ tet10._TO_BEZIER.T
@@ -116,14 +116,14 @@ def test_the_same_surface_gives_the_same_mesh_everywhere(repo_root, tmp_path):
     """The mesh has the same bytes in another folder, for another user, with other memory addresses, on another kind of
     processor."""
     surface, branches = tubes.fork(length=12.0, at=5.0, side_length=5.0, edge_mm=0.5)
-    # turned, since along an axis some products are exact
+    # The vessel is turned. Along an axis some products would be exact and hide differences of rounding.
     turn = Rotation.from_euler("xyz", [0.3, 0.5, 0.7]).as_matrix()
     for part in (surface, *branches):
         part.points = np.round(part.points @ turn.T, 9)
     tubes.write_case(tmp_path / "lumen", surface, branches, {"side1": ("main", 5.0)})
     folder = tmp_path / ("another folder" * 8)
     folder.mkdir()
-    for name in (".gmshrc", ".gmsh-options"):  # what gmsh reads in a user's home
+    for name in (".gmshrc", ".gmsh-options"):  # gmsh reads these files in a user's home
         (folder / name).write_text("Mesh.MeshSizeFactor = 0.5;\nMesh.Algorithm3D = 4;\n")
     here = {"PATH": os.environ["PATH"], "PYTHONPATH": str(repo_root), "PYTHONHASHSEED": "1", "OMP_NUM_THREADS": "1"}
     elsewhere = {
@@ -194,13 +194,13 @@ def test_a_fold_of_the_surface_is_flattened():
     assert flat.volume_mm3() == pytest.approx(folded.volume_mm3(), rel=1e-4)
     points, tetrahedra = volume_mesh.fill(flat, sizes)
     assert tet10.six_volumes(points, tetrahedra).sum() / 6 == pytest.approx(flat.volume_mm3())
-    assert folds.unfold(flat) is flat  # sharp edges, as of caps, are no folds
+    assert folds.unfold(flat) is flat  # the sharp edges at caps are not taken for folds
 
 
 def test_a_sliver_is_split_where_it_can_be():
     """A flat tetrahedron lies on two others, under a wall. All its corners are on the surface."""
     points = np.array([[0, 0, 0], [1, 0, 0.0], [0, 1, 0], [1, 1, 0], [0.5, 0.5, -1.0]], float)
-    points[[0, 3], 2] -= 1e-3  # the square's diagonal 0-3 runs just below the other one, which is of the surface
+    points[[0, 3], 2] -= 1e-3  # the square's diagonal 0-3 runs just below the other diagonal, an edge of the surface
     cells = tet10.orient_positive(points, np.array([[0, 3, 1, 2], [0, 3, 1, 4], [0, 3, 2, 4]]))
     assert curving.gamma(points[cells]).min() < 0.02
     edges = np.array([[1, 2], [0, 1], [1, 3], [3, 2], [2, 0], [0, 4], [1, 4], [2, 4], [3, 4]])
@@ -278,5 +278,5 @@ def test_cells_on_the_same_side_of_a_face_overlap():
     points[4, 2] = 0.5
     folded = tet10.orient_positive(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))
     assert tet10.count_overlapping(folded) == 1
-    shuffled = folded[:, [1, 2, 0, 3]]  # an even exchange of corners
+    shuffled = folded[:, [1, 2, 0, 3]]  # an even permutation of the corners keeps the volume positive
     assert tet10.count_overlapping(shuffled) == 1

@@ -1,4 +1,4 @@
-"""A mesh and the surface that it was made from."""
+"""A mesh is accepted only with the surface and centreline that it was made from."""
 
 import pytest
 

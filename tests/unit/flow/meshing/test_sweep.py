@@ -29,7 +29,7 @@ def _assert_conforming(quadratic):
     assert shared.max() == 2
     border = {tuple(face) for face in faces[shared == 1]}
     assert border == {tuple(face) for face in np.sort(quadratic.triangles[:, :3], axis=1)}
-    # Each middle node belongs to one edge, and each edge has one. Then neighbours agree on their curved face.
+    # Each middle node belongs to one edge, and each edge has one middle node. So neighbours agree on their curved face.
     edges = quadratic.tetrahedra[:, :4][:, tet10.EDGES].reshape(-1, 2)
     middles = quadratic.tetrahedra[:, 4:].ravel()
     pairs = np.unique(np.column_stack([np.sort(edges, axis=1), middles]), axis=0)
@@ -185,7 +185,8 @@ def test_rings_gather_at_the_edge_of_the_jet():
 
 @pytest.mark.parametrize("rings", [6, 8, 9])
 def test_many_rings_become_narrower_everywhere(rings):
-    """Two thirds of the rings are in the jet. Twice as many are half as wide. Edges' middles lie in the middle."""
+    """Two thirds of the rings lie in the jet. With twice as many rings all are about half as wide. The nodes between
+    two rings lie about halfway."""
     edge = np.array([1.0, 0.4])
     found = lattice.ring_radii(np.linspace(0, 1, 2 * rings + 1), rings, edge)
     inside = int(np.floor(2 * rings / 3))
@@ -276,7 +277,8 @@ def test_zipper_joins_two_rings():
 
 
 def test_zipper_makes_no_flat_or_folded_triangles_between_a_coarse_ring_and_a_fine_ragged_rim():
-    """Joined by shortest edges, some triangles are 0.04 mm high and face 63 degrees away. There gmsh makes slivers."""
+    """If the rings were joined by shortest edges, some triangles would be 0.04 mm high and turned by 63 degrees. gmsh
+    makes slivers at such triangles."""
     angles, fine = (np.linspace(0, 2 * np.pi, count, endpoint=False) for count in (10, 36))
     ring = np.stack([2 * np.cos(angles), 2 * np.sin(angles), 0 * angles], axis=1)
     ragged = 0.3 + 0.12 * np.random.default_rng(6).uniform(-1, 1, len(fine))

@@ -10,7 +10,10 @@ from flow.physics import ffr
 
 
 def _line(slopes):
-    """Pull-back of 40 mm on `main`: FFR falls to 0.6 at 10 mm, then rises by slopes {from mm: a mm}."""
+    """A pull-back of 40 mm on `main`, whose FFR falls to 0.6 at 10 mm.
+
+    slopes: {place in mm: change of FFR per mm that is added from there on}.
+    """
     s = np.arange(0, 40.5, 0.5)
     value = 1 - 0.04 * np.minimum(s, 10)
     for start, slope in slopes.items():
@@ -23,7 +26,7 @@ def _probe(name, s_mm, branch="main"):
 
 
 def test_a_probe_in_a_jet_that_has_not_reattached_is_named():
-    table = _line({10.0: 0.003, 30.0: -0.0035})  # recovers to 30 mm, friction behind
+    table = _line({10.0: 0.003, 30.0: -0.0035})  # pressure recovers up to 30 mm; then friction lowers it
     found = ffr.slope_warnings([_probe("distal", 20.3), _probe("far", 35.0), _probe("throat", 5.0)], table)
     assert len(found) == 1
     assert "distal" in found[0] and "0.0030 a mm" in found[0]

@@ -1,4 +1,4 @@
-"""The viscosity laws at their limits, and values that are refused."""
+"""The viscosity laws at low, middle and high shear rates, and an unknown law."""
 
 import numpy as np
 import pytest

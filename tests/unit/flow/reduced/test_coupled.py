@@ -68,7 +68,8 @@ def test_coupled_flows_meet_the_outlets_resistances_and_the_tubes_pressure(fork)
     branch_s, pressure = prediction.pressures["main"]
     found = np.interp(s, branch_s, pressure) - MAP
     assert found[-1] == pytest.approx(drop[-1], abs=0.5)
-    assert np.abs(found - drop).max() < 0.01 * np.abs(drop).max()  # between the sections of the two
+    # Both pressures are interpolated between different sections, so they agree only approximately.
+    assert np.abs(found - drop).max() < 0.01 * np.abs(drop).max()
     for outlet, flow in zip(document["outlets"], prediction.flows):
         end = prediction.pressures[outlet["branch"]][1][-1]
         assert end == pytest.approx(VENOUS + outlet["resistance_pa_s_per_m3"] * flow, abs=0.1)

@@ -1,4 +1,4 @@
-"""FFR over plausible flows, and resistances for a measured inflow, against the network solved at those flows."""
+"""FFR over plausible flows, and resistances for a measured inflow, compared with the network at the same flows."""
 
 import numpy as np
 import pandas as pd
@@ -108,7 +108,7 @@ def test_a_flow_that_does_not_pass_is_left_out():
         return lambda values: network_at(values, throat=radius)
 
     radius = 0.55
-    while True:  # the narrowest throat that lets the flow pass
+    while True:  # find the narrowest throat, in steps of .01 mm, that lets the flow pass
         try:
             flow_range.fit_resistances(document(), throat(radius - 0.01))
         except InputError:

@@ -1,4 +1,4 @@
-"""The reduced network against Poiseuille, a resistor network, and the Borda-Carnot loss."""
+"""The one-dimensional network compared with Poiseuille's law, a resistor network, and the Borda-Carnot loss."""
 
 import pathlib
 import sys
@@ -135,7 +135,7 @@ def test_sections_of_another_lumen_are_refused():
     network_model.check_sections(own, tree, "sections.csv")
     wider = own.assign(area_mm2=own["area_mm2"] * 1.9)  # as at an ostium
     network_model.check_sections(wider, tree, "sections.csv")
-    network_model.check_sections(own[own["s_mm"] < 18.5], tree, "sections.csv")  # 2 radii are 3 mm
+    network_model.check_sections(own[own["s_mm"] < 18.5], tree, "sections.csv")  # up to 2 radii (3 mm) may be missing
     plain, severe = (tubes.lesion(1.5, reduction, 10, 8)(line.s_mm) for reduction in (0.0, 0.62))
     for other in (
         own.assign(s_mm=own["s_mm"] / 1e3),

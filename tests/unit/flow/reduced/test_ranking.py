@@ -1,4 +1,4 @@
-"""Plans ranked by the reduced models: their order, the error of the model, refusals."""
+"""Plans ranked by the reduced models: the order of the plans, the model's error, and refusals."""
 
 import json
 
@@ -46,7 +46,7 @@ def test_the_least_narrowing_is_the_best(folder, model):
 
 
 def _shifted(folder, by_mm=0.3, recorded_mm=0.3):
-    """The probes of the boundary values, projected on a centreline that lies `by_mm` aside."""
+    """The probes of the boundary values as they are after projection on a centreline that lies `by_mm` aside."""
     probes = json.loads((folder / "boundary.json").read_text())["probes"]
     x, y, z = (list(axis) for axis in zip(*(probe["point_mm"] for probe in probes)))
     return [probe | {"point_mm": [x[k], y[k] + by_mm, z[k]], "shift_mm": recorded_mm} for k, probe in enumerate(probes)]
@@ -158,7 +158,7 @@ def test_an_answer_without_the_3d_model_says_nothing_of_the_error():
 
 
 def test_a_plan_with_the_sections_of_another_is_refused(folder, tmp_path):
-    """Its FFR would be that of the other plan."""
+    """If the sections were accepted, the plan's FFR would be that of the other plan."""
     for name in ("lumen.vtp", "centreline.vtp", "anatomy.json"):
         (tmp_path / name).write_bytes((folder / "small" / name).read_bytes())
     (tmp_path / "sections.csv").write_bytes((folder / "large" / "sections.csv").read_bytes())

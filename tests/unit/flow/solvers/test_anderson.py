@@ -1,5 +1,5 @@
-"""Anderson's steps are exact after as many differences as unknowns. Before that they are better than steps by the old
-tangent."""
+"""Anderson acceleration on linear systems. It is exact once it has as many differences as there are unknowns. With
+fewer differences it is better than plain steps with an old tangent."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from flow.solvers.anderson import MOST_DIFFERENCES, AndersonAcceleration
 
 
 def _iterate(matrix, old_inverse, right, count, use):
-    """Norms of the residual of matrix x = right over `count` steps from 0."""
+    """Norms of the residual of matrix x = right over `count` steps from x = 0. use: whether steps are accelerated."""
     learnt, x, norms = AndersonAcceleration(np.ones(len(right))), np.zeros(len(right)), []
     for _ in range(count):
         correction = old_inverse @ (right - matrix @ x)
@@ -19,7 +19,7 @@ def _iterate(matrix, old_inverse, right, count, use):
 
 @pytest.fixture
 def system():
-    """A matrix, the inverse of one 30 % away from it, a right side."""
+    """(matrix, inverse of the identity, which is 30 % away from the matrix, right side)."""
     rng = np.random.default_rng(0)
     matrix = np.eye(5) + 0.3 * rng.normal(size=(5, 5)) / np.sqrt(5)
     return matrix, np.eye(5), rng.normal(size=5)

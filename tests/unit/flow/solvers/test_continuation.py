@@ -38,22 +38,25 @@ class _Flow(Equations):
 
 
 def _smooth():
-    """x = 2 - eps."""
+    """A problem whose solution is x = 2 - eps, for every eps."""
     tangent = lambda x, eps: np.diag(1 + x * (3 * x - 4 + 2 * eps))  # noqa: E731
     return _Flow(lambda x, eps: (x - 2 + eps) * (1 + x**2), tangent, [1.5])
 
 
 def _ends(least):
-    """x = 2 + sqrt(eps - least): no flow below eps = least."""
+    """A problem with the solution x = 2 + sqrt(eps - least). Below eps = least it has no solution."""
 
     def tangent(x, eps):
-        return np.diag(2 * (x - 2) + 1e-9)  # not singular at the end itself
+        return np.diag(2 * (x - 2) + 1e-9)  # 1e-9 keeps it regular where the branch of solutions ends
 
     return _Flow(lambda x, eps: (x - 2) ** 2 + least - eps, tangent, [4.0])
 
 
 def _steep(width):
-    """x turns from 1 to 3 within `width` of ln eps around eps = .03, where Newton's method needs a near guess."""
+    """A problem whose solution changes from 1 to 3 while ln eps changes by about `width`, around eps = .03.
+
+    There Newton's method needs a near guess.
+    """
 
     def function(x, eps):
         return np.sinh(4 * (x - 2 + np.tanh(np.log(max(eps, 1e-12) / 0.03) / width)))

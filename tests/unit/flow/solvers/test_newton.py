@@ -1,4 +1,4 @@
-"""Newton's damping on small systems of equations."""
+"""Newton's method on small systems of equations: damping, accelerated steps, and its limits."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from flow_equations import Equations
 
 
 def test_steps_are_damped_where_whole_ones_diverge():
-    problem = Equations(np.arctan, lambda x: np.diag(1 / (1 + x**2)), [3.0])  # diverges undamped from beyond 1.39
+    problem = Equations(np.arctan, lambda x: np.diag(1 / (1 + x**2)), [3.0])  # undamped steps diverge beyond 1.39
     found = newton.newton(problem, 1e-12, 12)
     assert found.converged and found.iterations <= 7
     assert problem.state.x.array[0] == pytest.approx(0.0, abs=1e-12)

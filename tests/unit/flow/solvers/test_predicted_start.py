@@ -1,4 +1,4 @@
-"""When Newton's method starts from the flow of the reduced models, and which steps follow."""
+"""The start of Newton's method from the flow of the reduced models: when it is used, and which steps follow."""
 
 import io
 import types
