@@ -15,7 +15,8 @@ public:
   /// Energy in N mm at positions x (mm).
   virtual double energy(const Vectors& x) const = 0;
   /// Adds -dE/dx (N) to `force` and, if given, d2E/dx2 (N/mm) to `stiffness`, the matrix of the last locate_blocks().
-  /// With `exact` false, negative eigenvalues of element Hessians are left out, so that the matrix stays positive.
+  /// With `exact` false, negative eigenvalues of element Hessians are left out, so that the matrix stays positive. Some
+  /// forces leave out a part also if `exact` is true, such as the turning of a hinge; their headers name it.
   virtual void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact = false) const = 0;
   /// Declares the pairs of vertices that interact, so that the matrix gets blocks for them.
   virtual void declare_stencils(BlockPattern& pattern) const = 0;

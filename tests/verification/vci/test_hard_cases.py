@@ -49,6 +49,25 @@ QUICK_CASES = [case for case in CASE_NAMES if "0.25 mm" not in case and case != 
 
 
 @pytest.mark.slow
+def test_calcium_round_270_degrees_opens_more_at_each_pressure(binary, tmp_path):
+    """An earlier engine refused two pressures between others at which it balanced. The calcium never yields."""
+    areas = []
+    for bar in (12, 13, 14, 15, 16):
+        scene = write_scene(
+            tmp_path / f"{bar}",
+            Tube(stenosis=0.7, eccentricity=0.5, calcium_deg=270),
+            wall={"plaque": {"calcified": {"youngs_modulus_mpa": 30, "yield_strain": None}}},
+            pressures=(bar, bar, bar),
+        )
+        result = subprocess.run(
+            [binary("vci"), "deploy", scene, "--out", scene.parent / "out"], capture_output=True, text=True
+        )
+        assert result.returncode == 0, result.stderr
+        areas.append(json.loads((scene.parent / "out" / "deployment.json").read_text())["minimal_lumen_area_mm2"])
+    assert np.all(np.diff(areas) > 0.05)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("case", QUICK_CASES)
 def test_case_balances(table, case):
     row = table([case])[case]
