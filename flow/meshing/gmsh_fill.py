@@ -1,15 +1,19 @@
-"""Fills a closed surface with tetrahedra by gmsh: a program that meshing.volume_mesh runs in a folder of its own.
+"""Fills closed surfaces with tetrahedra by gmsh: a program that meshing.volume_mesh starts once and then asks often.
 
-It reads SURFACE in this folder, and writes VOLUME and the auxiliary file FIELD there. It imports nothing of this
-repository and takes no argument.
+Each line of its input names a folder. The program reads SURFACE in this folder, and writes VOLUME, LOG and the
+auxiliary file FIELD there. Then it prints the exit code of this job. Each job runs in a forked process: gmsh and numpy
+are loaded only once, and a crash of gmsh ends that job alone. The program imports nothing of this repository.
 
 gmsh's Delaunay algorithm gives the same tetrahedra on every run. Its algorithm HXT does not, since gmsh 4.8 hands it
 the vertices in the order of their memory addresses.
 """
 
+import os
+import sys
+
 import numpy as np
 
-SURFACE, FIELD, VOLUME = "surface.npz", "size.bin", "volume.npz"
+SURFACE, FIELD, VOLUME, LOG = "surface.npz", "size.bin", "volume.npz", "log.txt"
 DELAUNAY = 1  # gmsh's number of the algorithm
 OPTIMISE_PASSES = 2  # value of gmsh's option Mesh.Optimize
 
@@ -26,10 +30,8 @@ def _write_structured_field(path, origin, spacing, shape, values):
         file.write(np.asarray(values, "<f8").tobytes())
 
 
-def main():
-    """Reads SURFACE, fills it, and writes VOLUME."""
-    import gmsh
-
+def fill(gmsh):
+    """Reads SURFACE in the working folder, fills it, and writes VOLUME. gmsh: the module."""
     data = np.load(SURFACE)
     _write_structured_field(FIELD, data["origin"], float(data["spacing"]), data["shape"], data["values"])
     gmsh.initialize(["gmsh"], False)
@@ -76,6 +78,35 @@ def main():
     _, nodes = gmsh.model.mesh.getElementsByType(4)
     gmsh.finalize()
     np.savez(VOLUME, points=coordinates, tetrahedra=position[nodes.reshape(-1, 4).astype(np.int64)])
+
+
+def run_job(gmsh, folder):
+    """Fills the surface in `folder` in a process of its own. Returns its exit code, negative for a signal."""
+    job = os.fork()
+    if job == 0:
+        code = 1
+        try:
+            os.chdir(folder)
+            log = os.open(LOG, os.O_WRONLY | os.O_CREAT)
+            os.dup2(log, 1)
+            os.dup2(log, 2)
+            fill(gmsh)
+            code = 0
+        except Exception as error:
+            print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        finally:
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(code)
+    return os.waitstatus_to_exitcode(os.waitpid(job, 0)[1])
+
+
+def main():
+    """Runs the job of each folder named on standard input and prints its exit code."""
+    import gmsh
+
+    for line in sys.stdin:
+        print(run_job(gmsh, line.rstrip("\n")), flush=True)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,13 @@
 """Linear tetrahedra inside the lumen surface by gmsh, in a process of its own.
 
 gmsh raises C++ exceptions that Python cannot catch. So gmsh runs in a program of its own, flow/meshing/gmsh_fill.py.
-This program reads a surface and a size field from one .npz file, and writes nodes and tetrahedra to another. The user's
-gmsh options are not read.
+For each surface this program reads points, facets and a size field from one .npz file, and writes nodes and tetrahedra
+to another. It stays until this process ends, since loading gmsh takes longer than filling a junction. The user's gmsh
+options are not read.
 """
 
+import atexit
+import functools
 import pathlib
 import subprocess
 import sys
@@ -22,6 +25,29 @@ PROGRAM = pathlib.Path(__file__).with_name("gmsh_fill.py")
 LEAST_GAMMA, WANTED_GAMMA = 0.02, 0.1
 LEAST_SPACING_MM = 0.25  # least spacing of the grid that hands the cells' sizes to gmsh
 COMMAND = [sys.executable, "-I", "-B", str(PROGRAM)]
+
+
+@functools.cache
+def _program():
+    """The running gmsh_fill.py (subprocess.Popen)."""
+    program = subprocess.Popen(COMMAND, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    atexit.register(program.communicate)  # closes its input, at which it ends
+    return program
+
+
+def _run_gmsh(folder):
+    """Fills the surface in `folder`. Raises ComputationError with gmsh's last words."""
+    if _program().poll() is not None:
+        _program.cache_clear()  # the program was killed since the last surface
+    program = _program()
+    print(folder, file=program.stdin, flush=True)
+    code = program.stdout.readline().strip()
+    if code == "0" and (folder / gmsh_fill.VOLUME).is_file():
+        return
+    log = folder / gmsh_fill.LOG
+    words = log.read_text(errors="replace").strip().splitlines()[-3:] if log.is_file() else []
+    value = "; ".join(words) or f"exit code {code or 'unknown'}"
+    raise ComputationError("gmsh could not fill the lumen", "volume mesh", value, "check the surface for self-contact")
 
 
 def fill(surface, size_field):
@@ -45,12 +71,7 @@ def fill(surface, size_field):
             shape=shape,
             values=values,
         )
-        done = subprocess.run(COMMAND, cwd=folder, text=True, capture_output=True)
-        if done.returncode != 0 or not (folder / gmsh_fill.VOLUME).is_file():
-            tail = (done.stdout + done.stderr).strip().splitlines()[-3:]
-            raise ComputationError(
-                "gmsh could not fill the lumen", "volume mesh", "; ".join(tail), "check the surface for self-contact"
-            )
+        _run_gmsh(folder)
         with np.load(folder / gmsh_fill.VOLUME) as volume:
             points, tetrahedra = volume["points"], volume["tetrahedra"]
     if len(tetrahedra) == 0:

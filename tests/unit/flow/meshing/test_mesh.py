@@ -217,6 +217,21 @@ def test_a_sliver_is_refused_with_its_place(monkeypatch):
         volume_mesh.fill(tubes.tube(5, lambda s: 1.5), size_field.SizeField(tree, 1.5, 0.1))
 
 
+def test_gmsh_fills_the_next_surface_after_a_failure(tmp_path):
+    """A job that fails says why. A program that was killed is started again."""
+    tree = centreline.Tree([tubes.centre_branch(5, lambda s: 1.5)])
+    tube, sizes = tubes.tube(5, lambda s: 1.5, 0.8), size_field.SizeField(tree, 1.5, 0.1)
+    first = volume_mesh.fill(tube, sizes)
+    with pytest.raises(ComputationError, match="FileNotFoundError(.|\n)*surface.npz"):
+        volume_mesh._run_gmsh(tmp_path)
+    running = volume_mesh._program()
+    assert running.poll() is None
+    running.kill()
+    running.wait()
+    for found, expected in zip(volume_mesh.fill(tube, sizes), first):
+        assert np.array_equal(found, expected)
+
+
 def test_where_finer_facets_cannot_be_filled_those_given_are(monkeypatch):
     """This happens where the smooth surface crosses itself in a cleft. Then the facets as given are filled."""
     tube, asked = tubes.tube(5, lambda s: 1.5, 0.8), []
