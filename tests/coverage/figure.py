@@ -12,7 +12,7 @@ COVERAGE_MARKS = re.compile(r"(<!-- coverage -->).*?(<!-- end -->)", re.S)
 
 
 def coverage_sentence(folder):
-    """The figures of the files that are there, in one sentence; raises FileNotFoundError if Python's is not."""
+    """The figures in one sentence. C++ is left out without cpp.json. Raises FileNotFoundError without python.json."""
     shares = {}
     if (folder / "cpp.json").exists():
         shares["C++"] = json.loads((folder / "cpp.json").read_text())["line_percent"]

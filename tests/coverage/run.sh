@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Which lines of C++ and Python the tests of `make test` and `make test-slow` run: run.sh JOBS [TESTS ...]
-# All tests: the figures go into README.md. Named tests in Python alone: figures are printed, C++ counts as far as it is built.
+# Counts the lines of C++ and Python that the tests of `make test` and `make test-slow` run: run.sh JOBS [TESTS ...]
+# Without TESTS all tests run, and the figures go into README.md. Named Python tests run alone, and the figures are only
+# printed; C++ then counts as far as it is built.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 jobs=$1

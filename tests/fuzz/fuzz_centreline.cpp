@@ -1,4 +1,5 @@
-// Fuzz target: centreline.vtp, then whether a single branch is that of a straight tube of 16 mm with caps.
+// Fuzz target: reads centreline.vtp and checks where a segment lies on it. A single branch is also checked against a
+// straight tube of 16 mm with caps.
 #include "tests/fuzz/target.hpp"
 #include "tests/unit/vci/vessel.hpp"
 #include "vci/scene/checks/lumen_check.hpp"

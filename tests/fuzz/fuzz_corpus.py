@@ -21,7 +21,7 @@ ODD_VALUES = [None, True, -1, 0, 1e308, -1e308, 10**30, "", "main", [], {}, [[]]
 
 
 def mutate_bytes(content, numbers):
-    """Bytes changed, cut out, doubled or replaced by another digit."""
+    """The content after 1, 3 or 20 changes: bytes changed, cut out or doubled, the end cut off, or a digit replaced."""
     content = bytearray(content)
     for _ in range(numbers.choice([1, 1, 3, 20])):
         at = numbers.randrange(len(content))
@@ -80,7 +80,7 @@ def vtp_encodings(data):
                         writer.SetFileName(str(file))
                         getattr(writer, f"SetDataModeTo{mode}")()
                         getattr(writer, f"SetCompressorTypeTo{compressor}")()
-                        writer.SetBlockSize(1024)  # bytes: the lumen's points are several blocks
+                        writer.SetBlockSize(1024)  # bytes, so that the lumen's points fill several blocks
                         writer.SetEncodeAppendedData(not raw)
                         (writer.SetHeaderTypeToUInt64 if header == 64 else writer.SetHeaderTypeToUInt32)()
                         writer.Write()
@@ -90,7 +90,7 @@ def vtp_encodings(data):
 
 
 def _scenes(folder):
-    """name -> document: one plain, one with plaque, folding and kissing, springs in textbook steps, a side branch."""
+    """name -> document: plain; plaque, folding and kissing; springs with textbook integration; a side branch."""
     plain = json.loads(scenes.write_scene(folder, TUBE, length=6.0, numerics=NUMERICS).read_text())
     full = json.loads(
         scenes.write_scene(
@@ -142,7 +142,7 @@ def seeds():
 
 
 def mutants(reader, of, count, seed):
-    """`count` mutants, bytes, of a reader's seeds {name: bytes}; of scenes every second has an odd value."""
+    """`count` mutants (bytes) of a reader's seeds {name: bytes}. Every second mutant of a scene has an odd value."""
     numbers = random.Random(f"{reader} {seed}")
     for k in range(count):
         content = of[numbers.choice(sorted(of))]

@@ -1,4 +1,4 @@
-// Fuzz target: lumen.vtp, then whether it is the sound surface of a straight vessel of 16 mm.
+// Fuzz target: reads lumen.vtp and checks it as the lumen of a straight vessel of 16 mm.
 #include "tests/fuzz/target.hpp"
 #include "vci/scene/checks/lumen_check.hpp"
 #include "vci/scene/files/lumen_file.hpp"

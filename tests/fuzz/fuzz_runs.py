@@ -3,12 +3,14 @@
 import re
 import subprocess
 
-TIMEOUT_S = 120  # of a target over all its files; under the sanitizers some ten
+TIMEOUT_S = 120  # for one target over all its files; with sanitizers it takes about 10 s
 
 
 def count_read_files(target, folder, contents):
-    """How many of the files {name: bytes} a target reads; it refuses the others. Any other exception, a crash, a
-    sanitizer's report, a leak, or five seconds over one file fail."""
+    """The number of the files {name: bytes} that a target reads; it must refuse the others.
+
+    Fails on any other exception, a crash, a report of a sanitizer, a leak, or more than five seconds over one file.
+    """
     folder.mkdir()
     for name, content in contents.items():
         (folder / name).write_bytes(content)

@@ -1,4 +1,4 @@
-// Fuzz target: scene.json, and where its devices lie on a vessel of 30 mm with a side branch.
+// Fuzz target: reads scene.json and checks where its devices lie on a vessel of 30 mm with a side branch.
 #include "tests/fuzz/target.hpp"
 #include "vci/scene/checks/plausibility.hpp"
 #include "vci/scene/files/scene_file.hpp"

@@ -1,4 +1,5 @@
-// Fuzz target: a surface or mask in any format that the anatomy reads. The first byte of the input chooses the format.
+// Fuzz target: reads a surface or mask in any format that the anatomy accepts. The first byte of the input chooses the
+// format.
 #include "files/surface_file.hpp"
 #include "tests/fuzz/target.hpp"
 
@@ -7,10 +8,10 @@
 
 namespace {
 
-// As tests/fuzz/surface_corpus.py numbers them.
+// In the order of SUFFIXES in tests/fuzz/surface_corpus.py.
 constexpr std::array<const char*, 7> suffixes{".stl", ".vtp", ".ply", ".obj", ".nii", ".nrrd", ".mha"};
 
-// A link with the format's suffix to the file, whose own name has none.
+// A symbolic link with the format's suffix to the file in memory, whose own name has no suffix.
 class Named {
 public:
   Named(const std::filesystem::path& file, const char* suffix)

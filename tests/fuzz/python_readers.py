@@ -55,7 +55,7 @@ READERS = {  # name: (seeds, suffix, function of a path)
 
 
 def mutant(text, numbers):
-    """Bytes of a text with one change, or four: of bytes, words, numbers, lines, the end."""
+    """The text as bytes, with one or four random changes of bytes, words or lines."""
     data = text.encode()
     for _ in range(numbers.choice([1, 1, 1, 4])):
         lines = data.split(b"\n")
@@ -83,7 +83,7 @@ def mutant(text, numbers):
 
 
 def complaint(read, path):
-    """(what is wrong with how a reader ends on a file, "" after an answer or a refusal; whether it was read)."""
+    """(complaint, whether the file was read). The complaint is "" if the reader answers or refuses in time."""
     begin = time.process_time()
     try:
         read(path)
@@ -97,7 +97,7 @@ def complaint(read, path):
 
 
 def fuzz(name, seconds, seed, out):
-    """Reads mutants for so many seconds of processor time; returns the number of faults."""
+    """Reads mutants for `seconds` of processor time; returns the number of faults."""
     seeds, suffix, read = READERS[name]
     numbers, begin, count, read_well, faults = random.Random(f"{name} {seed}"), time.process_time(), 0, 0, 0
     path = out / f"{name}{suffix}"
@@ -125,7 +125,7 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for what is found")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    warnings.simplefilter("ignore")  # of overflowing numbers, which the checks refuse
+    warnings.simplefilter("ignore")  # about overflowing numbers, which the checks refuse
     sys.exit(1 if sum(fuzz(name, options.seconds, options.seed, options.out) for name in options.readers) else 0)
 
 

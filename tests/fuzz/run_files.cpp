@@ -1,4 +1,4 @@
-// Runs a fuzz target over the files that are named, without libFuzzer: the main function of a build by any compiler.
+// Runs a fuzz target over the files named on the command line: the main function of a build without libFuzzer.
 #include "tests/fuzz/target.hpp"
 
 #include <chrono>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double longest = 5; // s: a reader that takes more over a file of some kB hangs
 
-std::string current; // the file under way
+std::string current; // the file that is being read
 
 #if defined(__SANITIZE_ADDRESS__)
 void name_current() {

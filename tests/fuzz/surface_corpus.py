@@ -46,7 +46,7 @@ def mask(kind=np.uint8):
 
 
 def _written(writer, data, suffix, **switches):
-    """What a writer of VTK writes."""
+    """The bytes that a VTK writer makes of the data. switches: {method of the writer: its arguments}."""
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder) / f"file{suffix}"
         writer.SetInputData(data)
@@ -58,7 +58,7 @@ def _written(writer, data, suffix, **switches):
 
 
 def _nrrd(image):
-    """The image as NRRD, raw."""
+    """The image as an uncompressed NRRD file."""
     head = "NRRD0004\ntype: uchar\ndimension: 3\nspace: left-posterior-superior\nsizes: 12 12 16\nencoding: raw\n"
     head += "space directions: (0.5,0,0) (0,0.5,0) (0,0,0.5)\nkinds: domain domain domain\nspace origin: (0,0,0)\n\n"
     return head.encode() + bytes(memoryview(image.GetPointData().GetScalars()))
@@ -82,7 +82,7 @@ def seeds():
 
 
 def mutants(of, count, seed):
-    """`count` mutants, bytes, of seeds {name: bytes}; the format stays."""
+    """Yields `count` mutants (bytes) of seeds {name: bytes}. The first byte, which names the format, stays."""
     numbers = random.Random(f"surface {seed}")
     for _ in range(count):
         content = of[numbers.choice(sorted(of))]

@@ -1,4 +1,4 @@
-// What the fuzz targets share: bytes as a file in memory, and what counts as an answer.
+// Shared by the fuzz targets: a file in memory, and the check that a reader answers or refuses.
 #pragma once
 #include "common/error.hpp"
 
@@ -13,7 +13,7 @@
 
 namespace vci::tests {
 
-/// Bytes as a file without a place on a disk; readers open it by its path.
+/// A file in memory with these bytes. Readers open it by its path, but it is not on a disk.
 class FileInMemory {
 public:
   FileInMemory(const std::uint8_t* bytes, std::size_t size) : descriptor_(memfd_create("fuzz", 0)) {
@@ -36,7 +36,8 @@ private:
 /// How many files were read without a refusal.
 inline std::size_t files_read = 0;
 
-/// Calls a reader on a file of these bytes: it answers, or refuses with an InputError. Anything else escapes.
+/// Calls a reader on a file of these bytes. It must answer, or refuse with an InputError that names a remedy. Any other
+/// exception escapes.
 template <class Read> void expect_answer(const std::uint8_t* bytes, std::size_t size, Read&& read) {
   const FileInMemory file(bytes, size);
   try {

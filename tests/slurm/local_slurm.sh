@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
 # A Slurm of two nodes on this machine for as long as a command runs:
 #   tests/slurm/local_slurm.sh snakemake --profile config/profiles/slurm --config cohort=quick
-# Needs Debian's slurmctld, slurmd, slurm-client and munge. All files lie in a temporary folder; all daemons are stopped at the end.
-# VCI_SLURM_ACCOUNT=name keeps accounts under that name (Debian's slurmdbd and mariadb-server); without it there is no accounting.
+# Needs Debian's slurmctld, slurmd, slurm-client and munge. All files lie in a temporary folder. All daemons are stopped
+# at the end.
+# VCI_SLURM_ACCOUNT=name keeps accounts under that name and needs Debian's slurmdbd and mariadb-server. Without it there
+# is no accounting.
 # VCI_SLURM_FORGETS: seconds after which the controller forgets a job that ended (300).
-# VCI_SLURM_FOLDER names the folder to the command: <node>.pid is the process of a node's slurmd.
+# The command finds the folder in VCI_SLURM_FOLDER: <node>.pid has the process id of a node's slurmd.
 set -euo pipefail
 [ $# -gt 0 ] || { echo "usage: $0 COMMAND [ARGUMENT ...]" >&2; exit 2; }
 PATH=$PATH:/usr/sbin
@@ -20,7 +22,7 @@ user=$(id -un)
 nodes=(node1 node2)
 daemons=()
 
-start() { # name, command: runs in the foreground of a job of its own, whose process is noted
+start() { # NAME COMMAND ...: runs the command in a session of its own and notes its process id
   local name=$1
   shift
   setsid "$@" >"$folder/$name.out" 2>&1 &
@@ -37,7 +39,7 @@ stop() {
   done
   kill "${daemons[@]}" 2>/dev/null || true
   wait "${daemons[@]}" 2>/dev/null || true
-  # A slurmd that was killed leaves its steps and their jobs, whose environment names this folder.
+  # A killed slurmd leaves the processes of its jobs behind. Their environment names this folder.
   for process in /proc/[0-9]*; do
     if [ "${process#/proc/}" -ne $$ ] && grep -qzs "^SLURM_CONF=$SLURM_CONF\$" "$process/environ"; then
       kill -KILL "${process#/proc/}" 2>/dev/null || true
@@ -141,7 +143,7 @@ StorageLoc=slurm_acct_db
 CONF
   )
   start slurmdbd slurmdbd -D
-  # The cluster must be known to it before the controller starts.
+  # slurmdbd must know the cluster before the controller starts.
   for _ in $(seq 60); do timeout 5 sacctmgr --immediate add cluster local >"$folder/sacctmgr.out" 2>&1 && break; sleep 0.5; done
   sacctmgr --immediate add account "$VCI_SLURM_ACCOUNT" cluster=local >>"$folder/sacctmgr.out"
   sacctmgr --immediate add user "$user" account="$VCI_SLURM_ACCOUNT" cluster=local >>"$folder/sacctmgr.out"

@@ -1,7 +1,7 @@
 """The Slurm profile on two local nodes: same bits as a local run, too little memory, Ctrl-C, a node that dies.
 
-The steps are those of a small workflow whose rules have names of the study's, so that the profile's groups hold for it;
-the last test takes a few steps of the study itself.
+The steps are those of a small workflow. Its rules have names of the study's rules, so that the profile's groups apply.
+One test runs a few steps of the study itself.
 """
 
 import hashlib
@@ -63,7 +63,7 @@ pytestmark = [
 
 
 class Cluster:
-    """The environment in which a local Slurm is the one that commands speak to."""
+    """Runs commands in the environment of a local Slurm."""
 
     def __init__(self, environment):
         self.environment = environment
@@ -73,18 +73,18 @@ class Cluster:
         return subprocess.run(command, env=self.environment, text=True, capture_output=True, timeout=60).stdout
 
     def start(self, folder, *arguments):
-        """Snakemake with the profile, in `folder`: a Popen."""
+        """Starts Snakemake with the profile in `folder`; returns the Popen."""
         command = ["/usr/bin/snakemake", *PROFILE, *arguments]
         with open(folder / "log", "w") as log:
             return subprocess.Popen(command, cwd=folder, env=self.environment, stdout=log, stderr=log)
 
     def run(self, folder, *arguments):
-        """The same to its end, which must be good; returns the outputs of its jobs, the first one first."""
+        """Runs Snakemake to its end, which must be a success; returns the logs of its jobs, the first job first."""
         assert self.start(folder, *arguments).wait(timeout=900) == 0, (folder / "log").read_text()
         return [file.read_text() for file in sorted((folder / ".snakemake" / "slurm").glob("*.log"))]
 
     def running(self, count):
-        """[(job, node)] once so many jobs run."""
+        """[(job, node)] as soon as `count` jobs run."""
         for _ in range(240):
             lines = self.slurm_command("squeue", "--noheader", "--states=RUNNING", "--format=%i %N").splitlines()
             if len(lines) == count:
@@ -93,7 +93,7 @@ class Cluster:
         raise AssertionError(f"{count} jobs never ran: {self.slurm_command('squeue')}")
 
     def kill_node(self, job, node):
-        """What a power cut does to a node: its daemon and all of the job are gone, and nobody tells the controller."""
+        """As a power cut: kills the daemon of a node and all processes of the job, and does not tell the controller."""
         folder = self.environment["VCI_SLURM_FOLDER"]
         os.kill(int(pathlib.Path(folder, f"{node}.pid").read_text()), signal.SIGKILL)
         ours = [
@@ -115,7 +115,7 @@ def _read(path):
 
 @pytest.fixture(scope="module", params=[None, "study"], ids=["without accounts", "with accounts"])
 def cluster(request, tmp_path_factory):
-    """A Slurm of two nodes, without accounting and with slurmdbd and MariaDB."""
+    """A Slurm of two nodes: once without accounting, once with slurmdbd and MariaDB."""
     if request.param and not (
         shutil.which("mariadbd") and shutil.which("slurmdbd", path=os.environ["PATH"] + ":/usr/sbin")
     ):
@@ -151,7 +151,7 @@ def small(tmp_path):
 
 
 def test_groups_give_the_same_bits_as_a_local_run(cluster, small):
-    """Nine steps are seven jobs: two cases before the flow, their flows and their findings, the study."""
+    """Nine steps are seven jobs: for each case the steps before the flow, the flow and the metrics; then the cohort."""
     assert len(cluster.run(small)) == 7
     through_slurm = (small / "cohort").read_bytes()
     (small / "cohort").unlink()
@@ -197,7 +197,7 @@ def test_steps_of_the_study(cluster, tmp_path):
 
 
 def test_a_node_that_dies(cluster, small):
-    """Its job runs again on the other one. Comes last: the node stays dead."""
+    """The job of a dead node runs again on the other node. The test comes last because the node stays dead."""
     snakemake = cluster.start(small, "node")
     [(job, node)] = cluster.running(1)
     while not (small / "second").exists():

@@ -7,7 +7,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def build_folder():
-    """Folder of the built programs: that in VCI_BUILD_DIR, else build/."""
+    """Folder of the built programs: VCI_BUILD_DIR if it is set, else build/."""
     return pathlib.Path(os.environ.get("VCI_BUILD_DIR", ROOT / "build"))
 
 

@@ -25,7 +25,7 @@ def test_psf_edge_is_unbiased_on_blurred_tubes(ct_tubes, radius, voxel):
 
 
 def test_half_maximum_is_biased_in_the_known_direction(ct_tubes):
-    """In a wide tube the level of the true edge is below one half: half maximum lies inside it."""
+    """In a wide tube the level at the true edge is below one half, so the half-maximum radius is too small."""
     found, _ = edges.find_edges(profiles_of(ct_tubes.tube_image(1.6, 0.35, SIGMA)), "half_maximum", 400.0)
     assert 1.5 < found.mean() < 1.59
 
@@ -145,7 +145,7 @@ def test_noise_is_measured_beside_a_slow_fall_of_the_blood():
 
 def test_noise_is_not_the_blur_of_a_long_narrow_lumen():
     profiles = profiles_of(calcified_image(0, 0.3, noise=0))
-    depth = 0.14 * (1 - ((profiles.s_mm - 6) / 8) ** 2)  # of the narrowing; the axis loses that share of the blood
+    depth = 0.14 * (1 - ((profiles.s_mm - 6) / 8) ** 2)  # share of the blood's HU that the axis loses
     narrow = 1 - depth[:, None] * (1 + profiles.r_mm / 0.4)[None]
     profiles.hu = 10 * np.random.default_rng(4).normal(size=profiles.hu.shape) + 400 * narrow[:, None]
     profiles.axis_hu = 400 * narrow[:, 0]
@@ -173,7 +173,7 @@ def test_shell_fit_finds_the_wall_behind_metal(metal):
     blood = [50 + 350 * stented.blurred_disc(r, radius, SIGMA) for radius in true[0]]
     hu = np.stack(blood)[None] + metal * np.stack(ring)[None]
     found = stented.fit(hu, r, 400.0, 50.0, SIGMA, 2.4)
-    assert np.allclose(found, true, atol=0.004 if metal else 0.02)  # M >= 0 leaves a kink
+    assert np.allclose(found, true, atol=0.004 if metal else 0.02)  # without metal, M >= 0 leaves a kink in the error
     # Without the metal in the model the same rays would be read too wide.
     clipped = edges.first_fall(np.minimum(hu, 460), r, np.full((1, 3), 225.0))
     assert (clipped - true).min() > (0.1 if metal else -0.05)

@@ -9,7 +9,7 @@ def test_area_of_an_oblique_cut_and_of_a_missed_one(ct_tubes):
     poly, direction = ct_tubes.tube(lambda z: np.full(len(z), 1.5), around=96)
     mesh = vtp.points_and_triangles(poly)
     centre = 7.0 * direction
-    chords = 0.5 * 96 * np.sin(2 * np.pi / 96) / np.pi  # a regular polygon for the circle
+    chords = 0.5 * 96 * np.sin(2 * np.pi / 96) / np.pi  # area of the regular polygon over that of the circle
     assert evaluate.section_area(*mesh, centre, direction) == pytest.approx(np.pi * 2.25 * chords, rel=1e-3)
     across = np.cross(direction, [0.0, 1.0, 0.0])
     across /= np.linalg.norm(across)

@@ -1,4 +1,4 @@
-"""What a user may hand over besides the image: a centreline, struts."""
+"""Inputs that a user may give besides the image: a centreline, stent struts, the methods of a study."""
 
 import numpy as np
 import pytest

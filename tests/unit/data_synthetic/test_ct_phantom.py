@@ -52,7 +52,7 @@ def test_blur_has_the_asked_width(fwhm):
     found = phantom.blur_matrix(count, voxel, sigma, factor) @ (samples > 10.0)
     centres = (np.arange(count) + 0.5) * voxel
     inner = (centres > 4) & (centres < 16)
-    # The sampled edge lies half a sample from where it was asked.
+    # The edge of the samples lies midway between two of them, up to half a sample from 10 mm.
     edge = samples[samples > 10.0][0] - 0.5 * voxel / factor
     expected = ndtr((centres - edge) / np.sqrt(sigma**2 + voxel**2 / 12))
     assert np.abs(found - expected)[inner].max() < 0.004
@@ -61,7 +61,7 @@ def test_blur_has_the_asked_width(fwhm):
 
 
 def test_edge_lies_where_the_lumen_ends(wide):
-    """Across the wall of the rendered tube: half level at the radius, but for what wall, fat and curvature do."""
+    """At the tube's radius the HU are midway between blood and wall; wall, fat and curvature shift them little."""
     _, direction, settings, volume = wide
     at = volume.interpolator()
     u = np.cross(direction, [0.0, 1.0, 0.0])
@@ -98,7 +98,7 @@ def test_correlated_noise_keeps_its_deviation(wide):
     noisy = phantom.add_noise(clean, dict(settings, noise_correlation_mm=1.0))
     difference = noisy.values - clean.values
     assert difference.std() == pytest.approx(25, rel=0.01)
-    # Neighbours h apart: exp(-h^2 / (4 sigma^2)) for noise filtered by a Gaussian sigma.
+    # Noise filtered with a Gaussian of width sigma: neighbours h apart correlate by exp(-h^2 / (4 sigma^2)).
     sigma = phantom.SIGMA_PER_FWHM
     expected = np.exp(-(0.35**2) / (4 * sigma**2))
     assert np.corrcoef(difference[1:].ravel(), difference[:-1].ravel())[0, 1] == pytest.approx(expected, abs=0.03)
@@ -156,7 +156,7 @@ def test_an_open_surface_is_refused(ct_tubes):
 
 
 def test_a_surface_inside_out_is_turned(ct_tubes):
-    """Its ends would run on inwards otherwise."""
+    """If it were not turned, its ends would be extended inwards."""
     poly, direction = ct_tubes.tube(lambda z: np.full(len(z), 1.5))
     points, triangles = vtp.points_and_triangles(poly)
     found = vessel.from_surface(vtp.surface(points, triangles[:, ::-1]), "tube")
@@ -201,7 +201,7 @@ def test_opened_plaque_keeps_its_area(ct_tubes):
 
 
 def test_wall_has_its_thickness(wide):
-    """Voxels nearer to wall than to fat or blood reach one wall's depth and no more."""
+    """The lumen has a radius of 3 mm, and fat begins one wall thickness of 0.7 mm outside it."""
     found, direction, settings, _ = wide
     sharp = phantom.render(found, dict(settings, psf_fwhm_mm=0.2, voxel_mm=[0.25] * 3))
     radius, height = distances(sharp, direction)

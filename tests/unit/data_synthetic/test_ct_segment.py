@@ -16,7 +16,7 @@ ENDS = {"inlet": 0.0, "outlet1": 14.0}
 
 
 def throat_radius(smallest_mm, width_mm=5.0):
-    """radius_of_z of a tube of 1.4 mm with a throat."""
+    """radius_of_z of a tube of radius 1.4 mm that narrows to smallest_mm in the middle."""
 
     def radius(z):
         x = np.clip(np.abs(z - 7) / width_mm, 0, 1)
@@ -26,7 +26,7 @@ def throat_radius(smallest_mm, width_mm=5.0):
 
 
 def scanned_tube(ct_tubes, radius, **changes):
-    """(noisy Image, ends, true surface, settings) of a tube; plaque fills what the throat takes."""
+    """(noisy Image, ends, true surface, settings) of a tube; plaque fills the wall of the throat."""
     poly, direction = ct_tubes.tube(radius)
     points, _ = vtp.points_and_triangles(poly)
     thickness = 1.4 - radius(points @ direction)
@@ -77,7 +77,7 @@ def test_an_occluded_throat_is_warned_of_at_its_place(ct_tubes):
     occluded = [w for w in found["warnings"] if w["code"] == "occluded_by_voxels"]
     assert len(occluded) == 1 and occluded[0]["value"] < 0.6
     assert 5.5 < occluded[0]["s_start_mm"] < 7 < occluded[0]["s_end_mm"] < 8.5
-    # With the limit below what is left of the contrast there, nothing is said.
+    # The throat keeps some contrast. No warning is given if the limit is below it.
     quiet = segment.segment(volume, ends, dict(settings, occluded_below=0.3))
     assert "occluded_by_voxels" not in [w["code"] for w in quiet["warnings"]]
 
@@ -91,7 +91,7 @@ def test_an_interrupted_vessel_is_an_error(ct_tubes):
 
 
 def test_end_points_given_the_other_way_round_are_warned_of(ct_tubes):
-    """A tapering vessel read from its far end widens; the lumen itself is right."""
+    """A tapering vessel read from its far end widens, so the swap is noticed."""
     volume, ends, _, _, settings = scanned_tube(ct_tubes, lambda z: 1.7 - 0.04 * z)
     swapped = [(name, place) for (name, _), (_, place) in zip(ends, reversed(ends))]
     codes = [[w["code"] for w in segment.segment(volume, given, settings)["warnings"]] for given in (ends, swapped)]
@@ -129,7 +129,7 @@ def test_a_stent_blooms_and_psf_edge_takes_it_off(ct_tubes):
     unsaid = segment.segment(volume, ends, settings["segmentation"])["warnings"]
     assert any("if it is a stent, the area is far too small: say so" in w["message"] for w in unsaid)
     assert bias["half_maximum"] > 2 and abs(bias["psf_edge"]) < 0.6
-    # Metal that the blur brings in beyond the ends is no lumen either.
+    # The blur spreads the metal beyond the stent's ends. psf_edge must not count it as lumen there either.
     assert at_ends["half_maximum"].max() > 1 and np.abs(at_ends["psf_edge"]).max() < 0.5
 
 
@@ -149,7 +149,7 @@ def test_noise_is_warned_of_and_then_refused_and_smoothing_is_the_remedy(ct_tube
     assert [w["code"] for w in found["warnings"] if w["code"] == "noise"] == []
     radius = found["tubes"][0].radius(found["tubes"][0].s_mm)
     assert radius.min() == pytest.approx(0.9, abs=0.1) and radius.max() == pytest.approx(1.4, abs=0.1)
-    assert found["sigma_mm"] > 0.38  # the image's and the smoothing's own
+    assert found["sigma_mm"] > 0.38  # the blur of image and smoothing together
 
 
 def test_faint_blood_is_warned_of(ct_tubes):
@@ -170,7 +170,7 @@ def test_struts_touch_the_wall_and_have_their_length(ct_tubes):
     speed = np.sqrt(1.56**2 + (6 * struts.WAVE_AMPLITUDE_MM * np.cos(6 * theta)) ** 2)
     ring = np.sum(0.5 * (speed[1:] + speed[:-1])) * (theta[1] - theta[0])
     rings = int(round((8 - 2 * struts.WAVE_AMPLITUDE_MM) / struts.RING_PITCH_MM)) + 1
-    links = 2 * (8 - 2 * struts.WAVE_AMPLITUDE_MM)  # two a gap, from the first ring's plane to the last's
+    links = 2 * (8 - 2 * struts.WAVE_AMPLITUDE_MM)  # two in each gap, from the first ring's plane to the last's
     assert lengths.sum() == pytest.approx(rings * ring + links, rel=0.01)
 
 

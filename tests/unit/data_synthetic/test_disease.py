@@ -25,6 +25,6 @@ def test_calcium_spans_its_arc_and_length():
     theta = np.radians(np.arange(0, 360, 0.25))
     share = disease.calcium_share(lesion, 10.0, theta)
     assert np.degrees(np.sum(share > 0.5) * (theta[1] - theta[0])) == pytest.approx(90, abs=1)
-    assert disease.calcium_share(lesion, 10.0, np.radians(-170)) > 0.8  # across the cut of the angle
+    assert disease.calcium_share(lesion, 10.0, np.radians(-170)) > 0.8  # across the jump of the angle at 180 degrees
     assert disease.calcium_share(lesion, 12.0, np.radians(170)) == pytest.approx(0.5, abs=0.01)
     assert disease.calcium_share({"centre_s_mm": 1.0}, 1.0, theta).max() == 0

@@ -1,4 +1,4 @@
-"""Random cohorts: every patient can be built, repeats, and keeps to the stated distributions."""
+"""Random cohorts: every patient can be built, is the same for the same seed, and keeps to the stated distributions."""
 
 import numpy as np
 import pytest

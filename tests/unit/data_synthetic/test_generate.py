@@ -151,7 +151,7 @@ def test_plaque_volume_is_that_of_the_asked_lesion_and_of_the_surface(vessel, ec
     data, branches = grown([lesion])
     exact = np.pi * 1.7**2 * 8 * (0.6 - 0.375 * 0.36)
     stated = truth.document(data, branches, 0, 0, 0)["branches"][0]["lesions"][0]["true_plaque_volume_mm3"]
-    # a shifted lumen's axis is longer than the vessel's; areas across it are counted along it
+    # The axis of an eccentric lumen is longer than the vessel's. The truth adds up areas across it along its length.
     assert stated == pytest.approx(exact, rel=0.005 if eccentricity == 0 else 0.04)
 
     def volume(found):

@@ -61,7 +61,7 @@ def test_an_impossible_vessel_is_refused_by_its_key(vessel, changes, key):
 
 
 def test_lesions_may_overlap_only_where_the_lumen_shifts_alike(vessel):
-    """Otherwise the axis would jump, and the tree be refused for bends that no other seed would cure."""
+    """Otherwise the axis would jump. The tree would be refused for sharp bends, whatever its seed."""
     first = lesion(centre_s_mm=10, eccentricity=0.4, direction_deg=30)
     for second in (lesion(centre_s_mm=14, eccentricity=0.4, direction_deg=390), lesion(centre_s_mm=18.1)):
         patient.check(vessel(lesions=[first, second], side_branches=[]), "case.yaml")

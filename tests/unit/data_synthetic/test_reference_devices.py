@@ -41,7 +41,7 @@ def test_radius_and_stiffness_follow_the_chart():
     found = devices.inflated_balloon(BALLOON, "b", 20.0, 11, "scene")
     assert found.radius_mm == pytest.approx(1.53)
     assert found.cap_mpa == pytest.approx(1.1)
-    # 0.12 mm of diameter in 6 bar: 0.1 MPa a bar over 0.01 mm of radius a bar.
+    # The diameter grows by 0.12 mm over 6 bar: 0.01 mm of radius for 1 bar, which is 0.1 MPa.
     assert found.stiffness_mpa_per_mm == pytest.approx(10.0)
 
 
@@ -74,7 +74,7 @@ def test_a_stent_resists_its_opening():
 
 
 def test_only_a_later_balloon_is_narrower_in_a_stent():
-    """The chart of the delivery balloon holds with its stent."""
+    """The chart of a delivery balloon already includes its stent."""
     _, (step,) = devices.procedure_steps(SCENE, "scene.json")
     later = dataclasses.replace(step, stent=None)
     assert step.free_radius(1.5, step.stent) == later.free_radius(1.5, None) == 1.5

@@ -1,4 +1,4 @@
-"""The reference's own error, from an area whose errors are known."""
+"""The estimate of the reference's own error, on slices whose errors are known."""
 
 import types
 
@@ -10,7 +10,7 @@ from data_synthetic.reference import run
 from data_synthetic.reference.slices import error_estimate, slices
 from data_synthetic.reference.treatment import devices
 
-STEP, MESH = 0.02, 0.08  # error of the area per mm of load step, and of one element
+STEP, MESH = 0.02, 0.08  # relative errors of the area: per mm of load step, at mesh refinement 1
 SETTINGS = {"radius_step_mm": 0.2, "check_slices": 3, "edge_decay_mm": 0.0}
 
 
@@ -42,13 +42,14 @@ def test_mesh_and_step_are_told_apart():
 
 def test_spacing_is_the_curvature_of_the_area():
     coarse, fine = (error_estimate.estimate(records(n), SETTINGS, measured)["spacing_area_percent"] for n in (31, 61))
-    # at an extremum between slices h apart, one left out, the cubic is flat: h^2 / 2 |A''|, here of an area of 7
+    # The slice at an extremum is left out. The cubic through its neighbours, h away, is flat there: it misses the area
+    # of 7 by h^2 / 2 |A''|, and |A''| is 1.
     for found, h in ((coarse, 0.2), (fine, 0.1)):
         assert 0.5 < found["largest"] / (100 * 0.5 * h**2 / 7) < 1.05
         assert 0 < found["mean"] < found["largest"]
     assert (
         2.5 < coarse["largest"] / fine["largest"] < 5.5
-    )  # second order, but for where between slices the extremum lies
+    )  # 4 by second order; the extremum's place between slices changes it
 
 
 def test_a_straight_line_is_not_missed():
@@ -69,7 +70,7 @@ def test_a_coarser_reference_says_so():
 
 
 def test_slices_are_added_where_the_area_bends_sharply(monkeypatch):
-    """A kink in the area, as a balloon's end leaves one: slices gather there, and there alone."""
+    """A balloon's end leaves a kink in the area. Slices are added at the kink and nowhere else."""
     kink, positions = 11.3, []
 
     def solve(model, patient, steps, s_mm, settings, stented):

@@ -81,7 +81,7 @@ def unopened(branch):
 
 
 def test_sections_turn_with_the_straightened_axis():
-    """The moved axis would cut sections that only shift obliquely: a turn by 10 degrees costs 1.5 % of a diameter."""
+    """If sections only shifted, the moved axis would cut them obliquely: 10 degrees cost 1.5 % of a diameter."""
     angle = np.linspace(0, 4, 401)
     bent = tube(10 * np.stack([np.sin(angle), 1 - np.cos(angle), 0.3 * angle], axis=1), 1.5)
     stent = devices.Stent("stent", 12.0, 30.0, 0.955, 0.22, 20.0, 1.5, 0.5)
@@ -162,12 +162,12 @@ def test_blended_plaque_runs_from_base_to_calcium():
 
 
 def test_tissues_carry_what_coronary_lesions_do():
-    """Published classes of lesions at a biaxial stretch of 1.15: 0.067, 0.13, 0.30 MPa."""
+    """Published stresses of three lesion classes at a biaxial stretch of 1.15: 0.067, 0.13, 0.30 MPa."""
     fibrous, lipid, calcified = (materials.biaxial_stress(1.15, kind) for kind in materials.BY_PLAQUE_TYPE.values())
     assert lipid < 0.067 < fibrous < 0.30 < calcified
-    assert fibrous == pytest.approx(0.117, abs=0.001)  # elastic alone: 0.15
+    assert fibrous == pytest.approx(0.117, abs=0.001)  # 0.15 without yield
     assert 0.067 < materials.biaxial_stress(1.15, c10_mpa=0.05, c20_mpa=0.2) < 0.30
-    # below yield a neo-Hookean sheet; just past it no jump
+    # Below yield the law is that of a neo-Hookean sheet. The stress does not jump at yield.
     gentle = materials.biaxial_stress(1.01, materials.FIBROUS)
     assert gentle == pytest.approx(0.2 * (1.01**2 - 1.01**-4), rel=1e-12)
     below, above = (materials.biaxial_stress(x, materials.FIBROUS) for x in (1.0905, 1.0935))

@@ -78,7 +78,7 @@ def test_no_branch_passes_where_the_surface_is_cut_at_an_end(end_height_mm, conf
 
 
 def test_a_lesion_that_bends_the_lumen_too_sharply_is_said_to(vessel):
-    """Another seed would not help: the remedy must not send there."""
+    """Another seed would not help, so the message must not suggest one."""
     short = {"centre_s_mm": 11, "length_mm": 2, "diameter_stenosis_percent": 80, "eccentricity": 1}
     with pytest.raises(InputError) as caught:
         tree.grow(vessel(lesions=[short]))

@@ -187,7 +187,7 @@ def write_flow(folder, tube, wire=None):
 
 
 def write_stent(path, tube, crowns=8, rings=9):
-    """Zig-zag rings joined by links: axes as lines, and tubes about them as triangles, as `vci deploy` writes."""
+    """Writes struts as `vci deploy` does: zig-zag rings and links, their axes as lines, their surfaces as triangles."""
     points, lines = [], []
     for ring in range(rings):
         start, count = len(points), 2 * crowns
@@ -204,7 +204,7 @@ def write_stent(path, tube, crowns=8, rings=9):
 
 
 def write_deployed(folder, before, after, gap_mm=0.5):
-    """The deployed lumen with its arrays, and the smooth stent over SEGMENT; the stent is off the wall at one ring."""
+    """Writes the deployed lumen with its arrays, and the stent over SEGMENT; the stent is off the wall at one ring."""
     surface, s = tube_surface(after), np.linspace(0.0, LENGTH_MM, 65)
     over_rings = [after.radii(s) / before.radii(s), np.where(s == 20.0, gap_mm, 0.0), after.radii(s) - before.radii(s)]
     stretch, gap, outward = (np.concatenate([np.repeat(v, 20), v[[0, -1]]]) for v in over_rings)

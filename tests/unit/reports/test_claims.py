@@ -1,4 +1,4 @@
-"""The claims of the evidence section: what they name exists, and their tests are counted as they ended."""
+"""The claims of the evidence section: the tests that they name exist, and the outcomes of these are counted."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Case by case: by how much each method misses the lumen after PCI, and which is nearer."""
+"""Case by case: the error of each method against the lumen after PCI, and which method is nearer."""
 
 import pytest
 
@@ -15,7 +15,7 @@ def state(ffr, area, error=0.002):
 
 
 def document(case, truth="reference", **states):
-    """metrics.json of a case; radius correction by the stent alone in case "a"."""
+    """metrics.json of a case. Case "a" also has radius correction by the stent alone."""
     states = {"vci": state(0.88, 7.2), "rc": state(0.91, 7.5), truth: state(0.89, 7.0)} | states
     profiles = {"vci": 0.3, "rc": 0.2}
     if case == "a":

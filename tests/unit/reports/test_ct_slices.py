@@ -1,4 +1,4 @@
-"""Slices of the CT: the volume in the lumen's frame, outlines and plaque where they are."""
+"""Slices of the CT: the volume in the lumen's frame, outlines and plaque in their places."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -63,7 +63,7 @@ def test_refuses_a_line_with_too_few_points():
 
 
 def test_independent_of_the_parameter():
-    """Chord length and the like only nearly equal arc length: the curvature must not depend on it."""
+    """The parameter may be a chord length, which only approximates arc length. Curvature must not depend on it."""
     s = np.linspace(0.0, 40.0, 161)
     points, exact = helix(5.0, 8.0, s)
     kappa = line_curvature(Polyline(points, 1.5 * s, "stretched"), np.linspace(6.0, 54.0, 50))

@@ -63,7 +63,7 @@ def test_a_study_without_reference_has_no_agreement_plot(measured_case, tmp_path
 
 
 def test_the_pull_back_has_the_band_of_its_error(measured_case, tmp_path, monkeypatch):
-    """Where the error is known; the pull-backs of reduced models have none."""
+    """A pull-back has a band if its error is known. Pull-backs of reduced models have no error."""
     folder = measured_case("tube")
     drawn = []
     monkeypatch.setattr(curves_module, "save_figure", lambda figure, *_: drawn.append(figure))
@@ -80,14 +80,14 @@ def test_the_pull_back_has_the_band_of_its_error(measured_case, tmp_path, monkey
 
 
 def write_pullback_errors(path, errors):
-    """Gives the pull-back its errors, for which `make_case` leaves the last column empty."""
+    """Fills the last column of the pull-back with errors. `make_case` leaves it empty."""
     lines = path.read_text().splitlines()
     path.write_text("\n".join([lines[0], *map("".join, zip(lines[1:], errors))]) + "\n")
 
 
 @pytest.mark.parametrize(("error", "lower"), [(0.01, 0.75), (0.3, 0.5), (2.0, 0.0)])
 def test_a_wide_band_lies_within_the_axes(measured_case, tmp_path, monkeypatch, error, lower):
-    """Cut off it would look narrower than it is; but no FFR is below 0."""
+    """A band that is cut off would look too narrow. The axis still ends at 0, because no FFR is below 0."""
     folder, drawn = measured_case("tube"), []
     monkeypatch.setattr(curves_module, "save_figure", lambda figure, *_: drawn.append(figure))
     path = folder / "flow" / "vci" / "pullback.csv"
@@ -109,7 +109,7 @@ def test_an_axis_ends_at_a_fixed_value_and_widens_only_for_a_larger_one(largest,
 
 
 def test_profiles_of_two_patients_have_the_same_axes(measured_case, tmp_path, monkeypatch):
-    """Each figure is drawn from one case alone."""
+    """The axes must agree although each figure is drawn from one case alone."""
     drawn = []
     monkeypatch.setattr(curves_module, "save_figure", lambda figure, *_: drawn.append(figure.axes[0].get_ylim()))
     metrics = json.loads((measured_case("tube") / "metrics.json").read_text())
@@ -127,7 +127,7 @@ def test_profiles_of_two_patients_have_the_same_axes(measured_case, tmp_path, mo
 
 
 def test_rows_of_the_agreement_share_the_axis_of_a_quantity(measured_case, tmp_path, monkeypatch):
-    """So the errors of each kind can be compared; the published limits do not flatten them, but are written."""
+    """The errors in a column can be compared. Published limits stand in the labels and do not widen the axis."""
     drawn = []
     monkeypatch.setattr(study_module, "save_figure", lambda figure, *_: drawn.append(figure))
     states = ("pre", "vci", "rc", "reference", "ct", "ct_vci", "ct_rc")
@@ -210,7 +210,7 @@ def test_struts_are_read_without_their_axes(make_case):
     folder = make_case()
     stent = read_device(folder / "vci" / "devices" / "stent1_struts.vtp")
     assert len(stent.triangles) > 1000 and stent.triangles.max() < len(stent.points)
-    assert read_device(next(folder.rglob("centreline.vtp"))) is None  # lines alone
+    assert read_device(next(folder.rglob("centreline.vtp"))) is None  # lines without a surface
 
 
 def test_nothing_to_draw_is_refused(tmp_path):

@@ -1,4 +1,4 @@
-"""Statistics are of the included patients, those of the others stand apart."""
+"""Statistics cover the included patients. Excluded patients have statistics of their own."""
 
 import pytest
 
@@ -10,7 +10,7 @@ from reports.page.agreement import excluded_patients
 
 
 def patient(case, before, vci, reference=0.9):
-    """metrics.json of a patient whose quantities before, predicted and after PCI are these; before None: no flow."""
+    """metrics.json of a patient: one value for all quantities before, predicted and after PCI. before None: no flow."""
 
     def state(value):
         area = {"mean_mm2": value, "minimum_mm2": value, "profile_mm2": [value, value]}
@@ -29,7 +29,7 @@ def patient(case, before, vci, reference=0.9):
 
 @pytest.fixture
 def documents():
-    """Two included patients; one at 0.80 and one without a flow before PCI are not."""
+    """Two included patients and two excluded ones: FFR 0.80 before PCI, and no flow before PCI."""
     return [
         patient("a", 0.70, 0.92),
         patient("mild", 0.80, 0.60),

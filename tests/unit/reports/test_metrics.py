@@ -209,7 +209,7 @@ def test_a_ct_left_from_before_does_not_enter_where_it_is_not_asked_for(make_cas
 
 
 def test_what_the_anatomy_and_a_proposed_plan_warn_of_is_kept(make_case):
-    """Not what was mended in silence, and of the lumens that are given alone."""
+    """Repairs without a warning are left out. Only lumens that are given have warnings."""
     metrics = metrics_of(make_case())
     assert metrics["lumen_warnings"] == {"pre": ["stub left closed: at (1, 2, 3)"]}
     assert metrics["plan_reference"]["remarks"] == ["lesion1 narrows the diameter by 49.8 % only"]

@@ -39,7 +39,7 @@ def test_five_patients_are_too_few():
 
 
 def patient(case, vci, rc, ct=True, estimate=0.0):
-    """metrics.json of a patient whose quantities after PCI are 0.9; radius correction's FFR is not computed in "2"."""
+    """metrics.json of a patient. The truth is 0.9; vci, rc: errors. Case "2" has no FFR of radius correction."""
 
     def state(value, flow=True):
         ffr = {"distal": value, "error_estimate": estimate} if flow else None
@@ -67,7 +67,7 @@ def test_a_row_a_quantity_and_truth_over_the_patients_that_have_both():
 
 
 def test_differences_within_the_flows_error_are_ties():
-    """All differences of FFR point one way, by 0.002 to 0.018; areas have no such error."""
+    """VCI is nearer in every patient, by 0.002 to 0.018. In FFR, differences below the error of the flow are ties."""
     documents = [patient(f"p{k}", NEAR[k], FAR[k], estimate=0.011) for k in range(9)]
     table = nearer_table(documents).set_index(["quantity", "truth"])
     ffr, area = table.loc[("ffr", "reference")], table.loc[("mean_area", "reference")]
@@ -75,7 +75,7 @@ def test_differences_within_the_flows_error_are_ties():
     assert (area["vci_is"], area["patients_vci_nearer"], area["ties"]) == ("nearer", 9, 0)
     documents[0]["states"]["rc"]["ffr"]["error_estimate"] = None
     assert nearer_table(documents).set_index(["quantity", "truth"]).loc[("ffr", "reference"), "ties"] == 5
-    documents[8]["states"]["rc"]["ffr"]["error_estimate"] = None  # not known: no difference of any size counts
+    documents[8]["states"]["rc"]["ffr"]["error_estimate"] = None  # error not known: a difference of any size is a tie
     assert nearer_table(documents).set_index(["quantity", "truth"]).loc[("ffr", "reference"), "ties"] == 6
 
 

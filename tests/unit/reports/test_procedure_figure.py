@@ -13,7 +13,7 @@ STAGES = ("deployment-to-contact", "contact-to-balance", "balloon-extraction")
 
 
 def tube_file(write, path, radius, around=24):
-    """A vertical tube of 12 mm about x = 0 as VTP."""
+    """Writes a vertical tube of 12 mm length about the z axis as VTP."""
     theta = 2 * np.pi * np.arange(around) / around
     ring = np.stack([radius * np.cos(theta), radius * np.sin(theta)], 1)
     points = np.array([[x, y, z] for z in np.linspace(-6, 6, 9) for x, y in ring])

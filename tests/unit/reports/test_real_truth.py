@@ -1,4 +1,4 @@
-"""What is known of a real patient (lumen after the procedure, pressure wire): metrics, agreement, figures, page."""
+"""Data of a real patient (lumen after the procedure, pressure wire): metrics, agreement, figures, page."""
 
 import json
 
@@ -54,7 +54,7 @@ def test_what_the_registration_warns_of_is_kept(make_case):
 def test_agreement_with_post_and_wire(make_case):
     folders = [make_case(f"real{k}", states=STATES, change=c, wire=WIRE_MM) for k, c in enumerate((0.0, 0.02, -0.03))]
     documents = [metrics_of(folder) for folder in folders]
-    for document in documents:  # all are included
+    for document in documents:  # so that all are included
         document["states"]["pre"]["ffr"]["distal"] = 0.7
     table = agreement_table(documents).set_index(["quantity", "comparison"])
     row = table.loc[("ffr", "pre_minus_measured")]
@@ -77,7 +77,7 @@ def test_decisions(computed, measured, share):
 
 
 def test_areas_only(make_case):
-    """Without a flow after the procedure areas and curvature are compared all the same."""
+    """Without a flow after the procedure, areas are still compared."""
     document = metrics_of(make_case(states=STATES, compare="areas"))
     assert document["states"]["post"]["ffr"] is None and document["measured"] is None
     difference = document["differences"]["vci_minus_post"]
@@ -110,7 +110,7 @@ def test_a_lumen_that_ends_within_the_stent_is_compared_where_it_is(make_case, e
     assert ("of the 22.0 mm" in said) == (covered < 22.0)
     used, at = document["stations"]["relative_position"], whole["stations"]["relative_position"]
     for state, entry in document["states"].items():
-        # the same places of the vessel as in the whole, to the areas' interpolation between sections
+        # The values are those of the whole lumen at the same places, up to interpolation between sections.
         for key, values in (("profile_mm2", entry["area"]), ("profile", entry["ffr"])):
             before = whole["states"][state]["area" if key == "profile_mm2" else "ffr"][key]
             assert values[key] == pytest.approx(np.interp(used, at, before), rel=2e-3)

@@ -1,4 +1,4 @@
-"""The report: what its pages hold, that they lead nowhere else, and that an earlier report leaves nothing behind."""
+"""The report: the content of its pages, no links to other places, and nothing left of an earlier report."""
 
 import base64
 import json

@@ -1,4 +1,4 @@
-"""The check of a report sees what is wrong with a page, and what is missing from the report's folder."""
+"""The check of a report finds faults of its pages and files that its folder lacks."""
 
 import shutil
 
@@ -101,7 +101,7 @@ def test_console_messages_of_a_log():
 
 @needs_chromium
 def test_a_whole_report_is_opened_page_by_page(report, tmp_path):
-    """Every page has its picture."""
+    """The check saves a picture of each page."""
     pages = check_report(report / "index.html", tmp_path / "shots")
     assert pages == [report / "index.html", report / "cases" / "a.html"]
     assert sorted(path.name for path in (tmp_path / "shots").iterdir()) == ["a.png", "index.png"]
@@ -110,7 +110,7 @@ def test_a_whole_report_is_opened_page_by_page(report, tmp_path):
 @needs_chromium
 @pytest.mark.parametrize("script", ["undefined_function()", "console.error('boom')", "fetch('data.json')"])
 def test_a_page_with_a_failing_script_is_refused(report, script):
-    """Each page is opened, that of a case too."""
+    """The script fails on the page of a case, so the check must open that page too."""
     page = report / "cases" / "a.html"
     policy = POLICY.replace("'none';", "'none'; script-src 'unsafe-inline';")
     page.write_text(page.read_text().replace(POLICY, policy).replace("</body>", f"<script>{script}</script></body>"))

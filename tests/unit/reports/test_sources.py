@@ -27,7 +27,7 @@ STUDY_DATA = {f"{name}.csv" for name in WRITTEN_BY} | {"differences_stations.csv
 def test_templates_name_each_source_and_no_other():
     texts = [file.read_text() for file in TEMPLATE_FOLDER.glob("*.j2")]
     named = {name for text in texts for name in re.findall(r'\bsource\("(\w+)"\)', text)}
-    curves = {"pullback", "area", "curvature"}  # named by the curve: reports.page.case_context.CURVES
+    curves = {"pullback", "area", "curvature"}  # templates take these names from reports.page.case_context.CURVES
     assert named | curves == set(SOURCES)
 
 

@@ -64,7 +64,7 @@ def case(tmp_path):
         for folder in ("vci/anatomy", "vci/devices"):
             (tmp_path / folder).mkdir(parents=True)
         write_centreline(tmp_path / "vci" / "anatomy" / "centreline.vtp", lines)
-        walls = {name: tube(line if name == "main" else line[8:]) for name, line in lines.items()}  # 2 mm: the ostium
+        walls = {name: tube(line if name == "main" else line[8:]) for name, line in lines.items()}  # 2 mm of ostium
         start = {"main": 0.0, "side1": 2.0}
         values = [stretch(name, start[name] + SPACING_MM * row) for name, (_, _, ring) in walls.items() for row in ring]
         points = np.vstack([wall[0] for wall in walls.values()])

@@ -12,7 +12,7 @@ from reports.study.subgroups import patient_files, subgroup_tables
 
 @pytest.fixture
 def cohort(tmp_path):
-    """add(number, artery, difference, error) writes a patient: finished, with this error of FFR, or failed."""
+    """add(number, artery, difference, error) writes a patient: one with this difference of FFR, or one that failed."""
 
     def add(number, artery, difference=None, error=None):
         file = tmp_path / "cohort" / "shards" / "0001" / "cases" / f"p{number}.yaml"

@@ -1,4 +1,4 @@
-"""The summary's templates: what stays open, the warnings' links, intervals beside FFR, the machine beside seconds."""
+"""The summary's templates: text that is always visible, links of warnings, intervals beside FFR, the machine."""
 
 import html.parser
 
@@ -12,11 +12,11 @@ from reports.study.agreement import published_results
 MACHINE = {"processor": "AMD EPYC", "cores": 2, "memory_gib": 23.5}
 SECONDS = {"by": "all", "name": "procedure", "n": 2, "mean_s": 2.86, "sd_s": 0.3}
 SECONDS |= {"published_mean_s": 24.92, "published_sd_s": 1.0}
-MOST_OPEN_WORDS = 250  # read in a minute
+MOST_OPEN_WORDS = 250  # words that are read in a minute
 
 
 class OpenText(html.parser.HTMLParser):
-    """Collects the text of a page that is seen before anything is opened."""
+    """Collects the words of a page that are visible while all <details> are closed."""
 
     def __init__(self):
         super().__init__()

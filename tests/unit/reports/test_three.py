@@ -65,7 +65,7 @@ def test_the_viewer_unpacks_the_surface_that_was_packed(count):
     found, index = (np.array(one).reshape(-1, 3) for one in json.loads(done.stdout))
 
     def corners(p, t):
-        """Triangles by their quantised points, each from its lowest point on, in one order: (m, 9) integers."""
+        """Quantised corners of the triangles, (m, 9) integers: each begins with its lowest corner; rows are sorted."""
         steps = np.rint((p - low) / (high - low) * QUANTISATION_STEPS).astype(int)
         rank = np.unique(steps, axis=0, return_inverse=True)[1][t]
         turned = (rank.argmin(1)[:, None] + np.arange(3)) % 3

@@ -41,7 +41,7 @@ def patient(name, states, kind="synthetic", measured=None, expansion=0.8, gap=0.
 
 
 def with_truth(name, k, truth="reference", before=0.7, after=0.925, vci=-0.005, rc=-0.0045, **options):
-    """A patient whose VCI misses areas and curvature of the truth by less than radius correction does, the more for k.
+    """A patient with a truth. VCI is nearer to its areas and curvature; the area errors of both methods grow with k.
 
     before, after: FFR before PCI and in the truth; vci, rc: errors of the predicted FFR.
     """
@@ -113,7 +113,7 @@ def test_ffr_decides_beyond_the_flows_error_only(rc, error, words):
 
 
 def test_methods_that_cannot_be_told_apart_and_one_that_loses():
-    """Errors of both signs of difference show nothing; radius correction's curvature is the better one."""
+    """Each method is nearer in area in half of the patients. Radius correction is nearer in curvature."""
     patients = [with_truth(f"p{k}", k) for k in range(1, 7)]
     for k, one in enumerate(patients):
         states = one["metrics"]["states"]
@@ -184,7 +184,7 @@ def test_a_wire_alone_is_no_lumen_but_something_known():
 
 
 def test_lumens_after_real_pci_without_any_flow():
-    """The areas are compared, FFR is not: neither line may speak of an FFR after PCI that is known."""
+    """Only areas are compared, so neither line may speak of a known FFR after PCI."""
     one = with_truth("a", 1, truth="post", kind="surface")
     one["metrics"]["states"]["post"]["ffr"] = None
     text = texts_of(one)

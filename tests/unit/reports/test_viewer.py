@@ -1,4 +1,4 @@
-"""The 3D viewer: values on the wall, their way through packing into the script, and the keyboard."""
+"""The 3D viewer: values on the wall, their packing and unpacking, and the keyboard."""
 
 import json
 import pathlib
@@ -20,7 +20,7 @@ from reports.page.geometry import COLOUR_STEPS, NO_VALUE, SCALES, colour_tables,
 from reports.page.geometry import viewer_data, wall_values
 
 BUNDLE = pathlib.Path("build/three.min.js")
-RINGS_MM = np.linspace(0.0, 40.0, 65)  # of the tubes of make_case, 20 points each, then the middles of both ends
+RINGS_MM = np.linspace(0.0, 40.0, 65)  # rings of make_case's tubes: 20 points each, then both ends' centres
 
 
 def test_values_on_the_wall_and_none_where_nothing_was_computed(make_case, tube):

@@ -71,7 +71,7 @@ def test_the_figure_is_drawn_with_and_without_the_deployment(folder, tmp_path):
 
 
 def solve(folder, lumen="aa"):
-    """The flow in three dimensions of the plan `planned`, and the case's boundary.json."""
+    """Writes the three-dimensional flow of the plan `planned` and the case's boundary.json. Returns the latter."""
     flow, boundary = folder / "plans" / "planned" / "flow", folder / "flow" / "boundary.json"
     for path in (flow, boundary.parent):
         path.mkdir(parents=True, exist_ok=True)

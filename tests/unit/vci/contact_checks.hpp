@@ -1,4 +1,4 @@
-// Flat bodies to touch one another, and what their contact's matrix foresees.
+// Flat sheets for contact tests, and the change of force that a contact matrix predicts.
 #pragma once
 #include "force_checks.hpp"
 #include "vci/contact/contact.hpp"
@@ -27,7 +27,7 @@ inline void add_sheet(System& system, int n, double edge, const Vec3& corner, bo
   system.add_body("sheet", points, triangles, 1, std::vector<char>(points.size(), 0));
 }
 
-/// Minus the contact matrix times a displacement.
+/// The change of the contact forces that their stiffness matrix predicts: minus the matrix times the displacement.
 inline Vectors predicted_change(const std::vector<StencilStiffness>& stencils, const Vectors& dx) {
   Vectors f(dx.size(), Vec3::Zero());
   for (const StencilStiffness& stencil : stencils) {

@@ -1,4 +1,4 @@
-// Finite-difference checks of forces, and small shapes to do them on.
+// Finite-difference checks of forces, and two small meshes for them.
 #pragma once
 #include "vci/mechanics/force.hpp"
 #include <Eigen/Dense>
@@ -19,10 +19,10 @@ inline Vectors perturbed(const Vectors& x, double size, unsigned seed) {
   return y;
 }
 
-/// Two bent triangles over an edge.
+/// Two triangles that share an edge and are bent along it.
 inline const Vectors sheet{{0, 0, 0}, {1, 0.1, 0}, {0.2, 0.9, 0.1}, {0.8, -0.7, 0.2}};
 inline const Triangles sheet_triangles{{0, 1, 2}, {1, 0, 3}};
-/// A tetrahedron, outward.
+/// A tetrahedron whose triangles face outward.
 inline const Vectors tetrahedron{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 inline const Triangles tetrahedron_triangles{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
 
@@ -42,7 +42,7 @@ inline void check_gradient(const Force& force, const Vectors& x) {
     }
 }
 
-/// A force's matrix, dense. @param exact as in Force::evaluate
+/// The stiffness matrix of a force as a dense matrix. @param exact as in Force::evaluate
 inline Eigen::MatrixXd stiffness_of(Force& force, const Vectors& x, bool exact = true) {
   const int n = static_cast<int>(x.size());
   BlockPattern pattern(n);
@@ -65,7 +65,7 @@ inline Eigen::MatrixXd stiffness_of(Force& force, const Vectors& x, bool exact =
   return dense;
 }
 
-/// Minus the derivative of a field of vectors by the positions, by central differences.
+/// Minus the derivative of a vector field with respect to the positions, by central differences.
 template <class Field> Eigen::MatrixXd differences_of(const Field& field, const Vectors& x) {
   const double h = 1e-6;
   const int n = static_cast<int>(x.size());
@@ -81,7 +81,7 @@ template <class Field> Eigen::MatrixXd differences_of(const Field& field, const 
   return dense;
 }
 
-/// Minus the derivative of a force.
+/// Minus the derivative of a force with respect to the positions, by central differences.
 inline Eigen::MatrixXd stiffness_by_differences(const Force& force, const Vectors& x) {
   return differences_of(
       [&](const Vectors& p) {
@@ -92,12 +92,12 @@ inline Eigen::MatrixXd stiffness_by_differences(const Force& force, const Vector
       x);
 }
 
-/// The largest entry of `part` over the largest of `whole`.
+/// The largest magnitude of the entries of `part` divided by that of `whole`.
 inline double share(const Eigen::MatrixXd& part, const Eigen::MatrixXd& whole) {
   return part.cwiseAbs().maxCoeff() / whole.cwiseAbs().maxCoeff();
 }
 
-/// The matrix is minus the force's derivative, but for rounding.
+/// Expects the matrix to be minus the derivative of the force, within `tolerance` of its largest entry.
 inline void check_hessian(Force& force, const Vectors& x, double tolerance = 1e-6) {
   const Eigen::MatrixXd matrix = stiffness_of(force, x), differences = stiffness_by_differences(force, x);
   const double size = std::max(1e-3, matrix.cwiseAbs().maxCoeff());

@@ -1,4 +1,4 @@
-// Frames on the z axis: where tests place a device without a vessel.
+// Frames along the z axis, for tests that place a device without a vessel.
 #pragma once
 #include "vci/devices/ring_grid.hpp"
 

@@ -26,7 +26,7 @@ def test_a_law_of_which_every_run_is_refused_has_a_row():
 
 
 def test_the_default_is_that_of_the_engine():
-    """And it is one of the rows, so that the table shows what the study uses."""
+    """The engine's default is also a row of the table, so that the table shows the strength that the study uses."""
     settings = schema.with_defaults({}, schema.read("deployment"))
     calcium = settings["wall"]["plaque"]["calcified"]
     assert tuple(calcium[key] for key in calcium_strength.KEYS) == calcium_strength.DEFAULT

@@ -1,4 +1,4 @@
-// How far a path turns: a bend, half a bend, and a bend undone by its reverse.
+// The angle by which a path turns: along a bend, along a bend and a straight piece, and along an S-shaped bend.
 #include "vci/geometry/centreline.hpp"
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@ using namespace vci;
 
 constexpr double radius = 8, arc = 10, piece = 0.25; // mm
 
-/// Two arcs of the radius, the second bent by `sign` times as much, in one plane.
+/// Two arcs of 10 mm in one plane. The first has a radius of 8 mm, the second has `sign` times its curvature.
 Path two_bends(double sign) {
   Vectors points{Vec3::Zero()};
   Vec3 tangent = Vec3::UnitX();
@@ -24,7 +24,7 @@ Path two_bends(double sign) {
 }
 
 TEST(Path, TurnsByItsBend) {
-  for (double span : {2.0, 4.0}) { // half of it at either end does not count
+  for (double span : {2.0, 4.0}) { // half a span at each end is not counted
     EXPECT_NEAR(two_bends(1).turning(0, 2 * arc, span), (2 * arc - span) / radius, 2e-3);
     EXPECT_NEAR(two_bends(0).turning(0, 2 * arc, span), (arc - 0.5 * span) / radius, 0.02);
   }
@@ -39,7 +39,7 @@ TEST(Path, BendsThatUndoEachOtherTurnItAllTheSame) {
 
 TEST(Path, PointsThatScatterDoNotTurnIt) {
   Vectors points;
-  for (int k = 0; k <= 48; ++k) // 12 mm, by 0.01 mm to one side and the other without order
+  for (int k = 0; k <= 48; ++k) // 12 mm along x, scattered by up to 0.01 mm to either side
     points.push_back({0.25 * k, 0.01 * ((k * 7919 % 13) / 6.0 - 1), 0.01 * ((k * 104729 % 11) / 5.0 - 1)});
   const double degree = pi / 180;
   EXPECT_LT(Path(points, 0).turning(0, 12, 3), 0.5 * degree);

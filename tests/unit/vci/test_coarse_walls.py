@@ -10,7 +10,7 @@ RADIUS, LENGTH, AROUND = 1.5, 6.0, 40
 
 
 def tube(radius=lambda z: RADIUS):
-    """Open tube of triangles about 2 pi R / AROUND long; radius(z) in mm."""
+    """Open tube of triangles with edges of about 2 pi R / AROUND; radius(z) in mm."""
     rings = int(round(LENGTH / (2 * np.pi * RADIUS / AROUND))) + 1
     z, angle = np.meshgrid(np.linspace(0, LENGTH, rings), 2 * np.pi * np.arange(AROUND) / AROUND, indexing="ij")
     r = np.vectorize(radius)(z)

@@ -1,4 +1,4 @@
-// By how much a step may compress a triangle.
+// The limit on the compression of a triangle in one step.
 #include "vci/solver/compression_limit.hpp"
 #include "vci/solver/integrator.hpp"
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ TEST(CompressionLimit, ACommonMotionATurnAndAWideningAreLeftAsTheyAre) {
   Vectors moved, turned, widened;
   for (const Vec3& x : system.x) {
     moved.push_back(Vec3(0.3, 0, 0.3));
-    turned.push_back(Vec3(0.5 * x.x(), x.y(), 0.86 * x.x()) - x); // by 60 degrees
+    turned.push_back(Vec3(0.5 * x.x(), x.y(), 0.86 * x.x()) - x); // by 60 degrees about y
     widened.push_back(2 * x);
   }
   for (const Vectors& wanted : {moved, turned, widened}) {
@@ -72,7 +72,7 @@ TEST(CompressionLimit, ATriangleWithoutAreaHoldsNothingBack) {
   EXPECT_EQ(dx, wanted);
 }
 
-/// A constant force on the last vertex along -x, N.
+/// A constant force in N on vertex 3 along -x.
 struct Push : Force {
   explicit Push(double newton) : size(newton) {}
   ForceKind kind() const override { return ForceKind::pressure; }
@@ -89,7 +89,7 @@ TEST(CompressionLimit, HoldsInTheSolversSteps) {
   settings.maximal_steps = 1;
   const double h = settings.initial_step;
   const double resistance = system.mass[3] / (h * h) + settings.damping * system.area[3] / h; // N/mm, of the first step
-  system.add_force(0, std::make_unique<Push>(0.15 * resistance)); // 0.15 mm, through the triangle's far edge at 0.1 mm
+  system.add_force(0, std::make_unique<Push>(0.15 * resistance)); // 0.15 mm: past the shared edge, 0.1 mm away
   Interactions none;
   relax(system, none, settings);
   EXPECT_NEAR(system.x[3].x(), 0.4625, 1e-6) << "a quarter of the displacement, the largest share that keeps half";

@@ -69,7 +69,8 @@ TEST(BroadPhase, FindsWhatASearchOverAllTrianglesFinds) {
 }
 
 TEST(SurfaceContact, AVertexBesideAFoldHasNoContact) {
-  // A crumpled sheet with small triangles near it. A contact's gap, along the normal, must be about its distance.
+  // A crumpled sheet with small triangles near it. The nearest point of a vertex beside a fold lies sideways, so its
+  // gap along the normal is small. Such a vertex must have no contact: the gap must be half the distance or more.
   std::mt19937 random(3);
   std::uniform_real_distribution<double> number(-1, 1);
   System system;
@@ -133,12 +134,13 @@ TEST(AveragedRamp, IsTheMeanOverTheWay) {
 
 TEST(ContactRamp, ItsPartsFadeEachWithItsShareAndBelongTogether) {
   const ContactSettings s;
-  for (const double share : {1.0, 0.4, 0.0}) // at a gap that ordinary contact reaches, the deep ramp adds nothing
+  for (const double share : {1.0, 0.4, 0.0}) // at gap 0 the deep ramp adds nothing
     for (const double deep : {1.0, 0.0})
       EXPECT_NEAR(penalty_response(0, s, {share, deep}).pressure, share * penalty_response(0, s).pressure, 1e-12);
   EXPECT_GT(penalty_response(-0.06, s, {0.1, 1}).pressure, 0.7 * penalty_response(-0.06, s).pressure);
   EXPECT_LT(penalty_response(-0.06, s, {0.1, 0.1}).pressure, 0.11 * penalty_response(-0.06, s).pressure);
-  for (const double gap : {0.0, -0.03, -0.06}) { // stiffness and force are the derivatives of force and energy
+  // Pressure and stiffness are minus the derivatives of energy and pressure with respect to the gap.
+  for (const double gap : {0.0, -0.03, -0.06}) {
     constexpr double h = 1e-6;
     const auto law = [&](double g) { return penalty_response(g, s, {0.1, 0.6}); };
     const PenaltyResponse here = law(gap), less = law(gap - h), more = law(gap + h);
@@ -164,7 +166,7 @@ std::vector<ContactPoint> pyramid_on_sheet(double base, double height, const Tri
   return found;
 }
 
-/// The pyramid is below the sheet, so inside, and faces the same way as the sheet.
+/// The base of the pyramid is below the sheet, as a device is inside a wall. Its sides face up, as the sheet does.
 std::vector<ContactPoint> sheets(double height, Vectors& force) {
   return pyramid_on_sheet(-.4, height, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, {}, force);
 }
@@ -172,7 +174,8 @@ std::vector<ContactPoint> sheets(double height, Vectors& force) {
 TEST(SurfaceContact, PushesApartOnBothSidesOfTheSurfaceAndBalances) {
   Vectors force;
   EXPECT_TRUE(sheets(-0.05, force).empty());
-  for (double height : {0.0, 0.1, 0.25}) { // on and through the sheet, where an unsigned distance would no longer push
+  // The tip is on the sheet or through it. A contact by unsigned distance would not push a tip that is through.
+  for (double height : {0.0, 0.1, 0.25}) {
     const std::vector<ContactPoint> points = sheets(height, force);
     Vec3 sum = Vec3::Zero();
     for (const Vec3& f : force)
@@ -211,7 +214,8 @@ TEST(SurfaceContact, ExcludedVerticesNeitherTouchNorAreTouched) {
     EXPECT_NE(p.stencil.vertex[0], 9);
 }
 
-// The tip of the pyramid is 0.045 mm through the sheet, a contact that stays while the surfaces stay in place.
+// The tip of the pyramid is 0.045 mm through the sheet. Its contact keeps the stiffening until the tip leaves the sheet
+// along the normal.
 TEST(SurfaceContact, StiffensOnlyWhatIsDeeperThanTheLimitUntilABound) {
   System system;
   const double depth = 0.045;
@@ -243,7 +247,7 @@ TEST(SurfaceContact, StiffensOnlyWhatIsDeeperThanTheLimitUntilABound) {
     EXPECT_NE(p.stencil.vertex[0], 9);
   system.x[9][0] = 0.1;
   EXPECT_EQ(tip_force(), stiffened);
-  system.x[9][2] = -0.2; // apart from the sheet and back: the contact starts anew
+  system.x[9][2] = -0.2; // away from the sheet and back: the contact has its first stiffness again
   EXPECT_TRUE(found().empty());
   system.x[9][2] = depth;
   EXPECT_EQ(tip_force(), at_first);
@@ -268,7 +272,7 @@ TEST(Friction, SticksElasticallyThenSlidesAtTheLimitAndRemembersTheAnchor) {
   const Mat3 sliding = p.stencil.stiffness();
   EXPECT_NEAR(sliding(0, 0), 0.3 * sliding(1, 1), 1e-12);
   EXPECT_NEAR(sliding(2, 2), 6, 1e-12);
-  slide(-limit / stiffness); // back by the elastic slip, to the anchor, which has moved along
+  slide(-limit / stiffness); // back by the elastic slip, to the anchor, which has followed the slide
   EXPECT_NEAR(p.friction[0], 0, 1e-9);
   EXPECT_NEAR(p.stencil.stiffness()(0, 0), stiffness, 1e-12) << "it sticks again";
   Vectors f(2, Vec3::Zero());

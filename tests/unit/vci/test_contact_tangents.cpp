@@ -1,4 +1,4 @@
-// Contact between surfaces: energy, force and stiffness of the assembled whole.
+// Contact between surfaces: energy, force and stiffness matrix of all contacts together agree.
 // Within a step, the normals, weights and areas of the contacts are kept constant. They do not change when flat bodies
 // approach one another, so there the matrix must be exact, on each branch of the law. For other bodies a bound of the
 // neglected part is checked.
@@ -17,7 +17,7 @@ struct SheetPair {
   System system;
   ContactScope sides;
   ContactSettings settings;
-  Vectors gap_direction; ///< of the device, along z away from the wall, per mm of gap
+  Vectors gap_direction; ///< displacement of the device per mm of gap: along z, away from the wall
   explicit SheetPair(bool nested) {
     add_sheet(system, 8, 0.5, {0, 0, 0}, true);
     add_sheet(system, 9, 0.41, {-0.85, 0.133, 0}, nested);
@@ -41,7 +41,8 @@ struct SheetPair {
     add_contact_forces(at(gap, contact), f);
     return f;
   }
-  /// The share of the surface that exists where a point is projected, computed independently from the flags.
+  /// The fade of a contact: the share of the surface at the projection that belongs neither to an end nor to a window.
+  /// It is computed here from the flags of the vertices, independently of the tested code.
   ContactFade fade_of(const ContactPoint& p) const {
     const Body& target = system.body(p.stencil.vertex[0] < 64 ? 1 : 0);
     double ends = 1, windows = 1, both = 1;
@@ -59,7 +60,7 @@ struct SheetPair {
 
 TEST(SurfaceContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
   std::map<std::string, int> fired;
-  // the first ramp's rise and its line, the deep ramp's rise and its line
+  // gaps (mm) in the curved part and in the linear part of the first ramp, then of the deep ramp
   const std::array<std::pair<std::string, double>, 4> depths{
       {{"rise", 0.004}, {"line", -0.012}, {"deep rise", -0.03}, {"deep line", -0.1}}};
   for (bool nested : {true, false})
@@ -70,7 +71,7 @@ TEST(SurfaceContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
         SurfaceContact follows(1, 0, pair.settings, pair.sides);
         EXPECT_EQ(norm(pair.force(0.1, follows)), 0) << "far, nothing touches";
         const double h = 1e-6;
-        for (bool fresh : {true, false}) { // found by a search, or followed
+        for (bool fresh : {true, false}) { // found by a new search, or followed from a gap of 0.1 mm
           const auto contact = [&] { return fresh ? SurfaceContact(1, 0, pair.settings, pair.sides) : follows; };
           SurfaceContact here = contact(), plus = contact(), minus = contact();
           const auto energy = [&](double g, double& area) {
@@ -127,7 +128,7 @@ TEST(SurfaceContact, FrictionsMatrixIsExactButAlongASlideAndForThePressuresPart)
     pair.at(-0.005, any);
     return pair.system.x;
   }();
-  // the device's points after it was moved by d since first touch
+  // force and stiffness at each vertex of the device, after it has moved by d since its contacts were found
   const auto moved = [&](const Vec3& d) {
     SurfaceContact contact(1, 0, s, pair.sides);
     pair.system.x = start;
@@ -139,10 +140,10 @@ TEST(SurfaceContact, FrictionsMatrixIsExactButAlongASlideAndForThePressuresPart)
     add_slip(points, dx);
     pair.system.x = combined(start, 1, dx);
     contact.detect(pair.system, area_vectors(pair.system), then);
-    // where the surface fades, the share changes with the projection; the matrix neglects that, too
+    // The fade changes with the projection. The matrix neglects this too, so contacts that fade are left out.
     std::erase_if(then,
                   [&](const ContactPoint& p) { return p.stencil.vertex[0] < 64 || pair.fade_of(p).ordinary < 1; });
-    std::map<int, std::pair<Vec3, StencilStiffness>> by_vertex; // on the vertex itself
+    std::map<int, std::pair<Vec3, StencilStiffness>> by_vertex; // force on the vertex, stiffness
     for (const ContactPoint& p : then)
       by_vertex[p.stencil.vertex[0]] = {p.stencil.weight[0] * (p.force * p.stencil.normal + p.friction), p.stencil};
     return by_vertex;
@@ -167,12 +168,12 @@ TEST(SurfaceContact, FrictionsMatrixIsExactButAlongASlideAndForThePressuresPart)
         ++sticks;
         EXPECT_LT((slope(v, along) + k * along).norm(), 1e-4 * size) << v;
       } else if (point.second.slip_softening.norm() > 0) {
-        ++slides; // no further friction along the slip; the matrix keeps three tenths of the secant
+        ++slides; // friction is constant along the slip; the matrix keeps 0.3 of the secant stiffness
         EXPECT_LT(slope(v, along).norm(), 1e-4 * size) << v;
         EXPECT_NEAR(along.dot(k * along), 0.3 * size, 1e-9);
       }
-      // moved deeper, the normal force changes as in the matrix; the change of the friction limit, mu times that, is
-      // neglected
+      // Moved deeper, the normal force changes as the matrix predicts. The friction limit changes by mu times as much;
+      // the matrix neglects this change.
       const Vec3 left_out = slope(v, Vec3::UnitZ()) + k * Vec3::UnitZ();
       const double coupling = way < limit ? 0 : s.friction * point.second.normal_stiffness;
       EXPECT_NEAR(left_out.norm(), coupling, 1e-4 * point.second.normal_stiffness) << v;
@@ -182,7 +183,7 @@ TEST(SurfaceContact, FrictionsMatrixIsExactButAlongASlideAndForThePressuresPart)
   EXPECT_GE(slides, 4);
 }
 
-/// A tube about z with vertices moved at random.
+/// A tube about z whose vertices are moved at random, by up to 0.01 mm in each coordinate.
 void add_tube(System& system, int around, double radius, double turn, unsigned seed) {
   Vectors points;
   Triangles triangles;
@@ -201,7 +202,8 @@ void add_tube(System& system, int around, double radius, double turn, unsigned s
   system.add_body("tube", points, triangles, 1, std::vector<char>(points.size(), 0));
 }
 
-/// The part of the change of the contact force under random displacements that the matrix does not predict.
+/// The largest share, over six random displacements, of the change of the contact forces that the matrix does not
+/// predict.
 double unpredicted_share(double overlap, const ContactSettings& settings, int& touching) {
   System system;
   add_tube(system, 18, 1.5 - overlap, 0, 1);
@@ -275,7 +277,7 @@ TEST(Tie, MatchesFiniteDifferencesInEveryDirection) {
     return f;
   };
   const Vectors none(pair.system.x.size(), Vec3::Zero()), x = force_checks::perturbed(pair.system.x, 0.1, 1);
-  for (unsigned seed = 2; seed < 8; ++seed) { // pulled and pressed
+  for (unsigned seed = 2; seed < 8; ++seed) { // six random displacements
     const double h = 1e-6;
     const Vectors d = force_checks::perturbed(none, 1, seed), f = force(x), predicted = predicted_change(links, d);
     const Vectors change = combined(force(combined(x, h, d)), -1, force(combined(x, -h, d)));

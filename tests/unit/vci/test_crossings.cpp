@@ -1,4 +1,4 @@
-// Where a surface crosses itself: two sheets that touch, pass through each other, or lie apart.
+// Self-crossings of a surface: a blade through a sheet, a blade above it, and neighbours that share a vertex.
 #include "vci/geometry/crossings.hpp"
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@ namespace {
 
 using namespace vci;
 
-/// A flat square of 2 x 2 triangles, and a triangle that stands upright on it and begins at the height z (mm).
+/// A flat square of two triangles, and an upright triangle (the blade) whose lower edge is at the height z (mm).
 Crossings sheet_and_blade(double z) {
   const Vectors x{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.2, z}, {0.5, 0.8, z}, {0.5, 0.5, 1}};
   return self_crossings({{0, 1, 2}, {0, 2, 3}, {4, 5, 6}}, {0, 1, 2}, x);

@@ -1,4 +1,4 @@
-// A small deployment in a straight narrowed tube: what must come out of any, and twice the same.
+// Small deployments in a straight narrowed tube: properties of every result, and the same result twice.
 #include "common/error.hpp"
 #include "vci/geometry/sections.hpp"
 #include "vci/procedure/deployment.hpp"
@@ -136,7 +136,7 @@ TEST(Deployment, StepsTakenWithCareEndInTheSameBalance) {
   const DeploymentResult usual = deploy(scene, l, axis());
   for (const StageReport& s : usual.stages)
     EXPECT_EQ(s.result.careful_from, -1) << s.step << ' ' << s.stage << ": not needed here";
-  scene.numerics.integrator.stalled_steps = 48; // care begins after 8 steps without progress
+  scene.numerics.integrator.stalled_steps = 48; // careful steps begin after a sixth of them: 8 steps without progress
   const DeploymentResult careful = deploy(scene, l, axis());
   EXPECT_GE(careful.stages[0].result.careful_from, 8);
   EXPECT_TRUE(careful.stages.back().result.converged);

@@ -34,7 +34,7 @@ bool pierces(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q, const V
   return n.dot((q - p).cross(x - p)) > 0 && n.dot((r - q).cross(x - q)) > 0 && n.dot((p - r).cross(x - r)) > 0;
 }
 
-/// Edges that pierce a triangle with which they share no vertex.
+/// The number of pairs of an edge and a triangle that it pierces without a shared vertex.
 int crossings(const Triangles& triangles, const Vectors& x) {
   std::set<std::pair<int, int>> edges;
   for (const Triangle& t : triangles)
@@ -85,7 +85,7 @@ TEST_P(Wings, StartWithoutCrossing) {
   Vectors x = folded_vertices(spec, grid);
   EXPECT_EQ(crossings(triangles, x), 0);
   const int middle = grid.rings() / 2 * grid.ring_size;
-  for (int k = 0; k < grid.ring_size; ++k) // a body's ring as a circle inside: what a crossing looks like
+  for (int k = 0; k < grid.ring_size; ++k) // one ring becomes a circle inside the folds, so edges cross
     x[middle + k] =
         Vec3(0.3 * std::cos(2 * pi * k / grid.ring_size), 0.3 * std::sin(2 * pi * k / grid.ring_size), x[middle][2]);
   EXPECT_GT(crossings(triangles, x), 0) << "the check sees crossings";
@@ -164,7 +164,7 @@ TEST_P(Sides, LayersRepelAndRememberTheirSide) {
   SelfContact contact(strip.system, 0, 60, thickness);
   EXPECT_TRUE(strip.contacts(contact).empty()) << "a gap beyond the thickness";
   EXPECT_GT(contact.count_facing(), 60);
-  for (double gap : {0.01, -0.03}) { // pressed together, then through: the sign of the first meeting stays
+  for (double gap : {0.01, -0.03}) { // pressed together, then through one another: each layer keeps its first side
     for (int v = 0; v < strip.system.vertices(); ++v)
       strip.system.x[v][1] = (v % 24 < 12 ? 0.5 : -0.5) * gap;
     const std::vector<ContactPoint> points = strip.contacts(contact);
@@ -238,7 +238,7 @@ TEST(Inflation, WingsUnfoldAlikeWithoutCrossingAndTwiceTheSame) {
   const BalloonSpec spec = winged_balloon({3, 0.5, 0.02, false}, 3.0, 4.0);
   const Unfolded u = unfold(spec, 8);
   const int n = u.grid.ring_size;
-  Triangles body; // the necks' folds do not touch one another
+  Triangles body; // without the necks, whose folds have no contact with one another
   for (const Triangle& t : u.grid.triangles())
     if (std::all_of(t.begin(), t.end(), [&](int v) { return u.grid.profile[v / n] >= 0.6; }))
       body.push_back(t);

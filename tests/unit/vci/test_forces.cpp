@@ -31,7 +31,7 @@ TEST(Membrane, YieldingPlaqueMatchesFiniteDifferences) {
   check_hessian(force, x);
 }
 
-/// Wall and plaque behind a lumen, as laws of the lumen's strain.
+/// Laws of wall and plaque at a depth behind the lumen. Their strain is the strain of the lumen.
 std::vector<HenckyLaw> deep_laws() {
   HenckyLaw stiffens{2.0, 0.45, 3.0}, yields{2.0, 0.45, 0.0, 0.05, 0.1};
   stiffens.depth = 1.7;
@@ -94,7 +94,7 @@ TEST(Membrane, PositivePartHasNoNegativeCurvature) {
   Membrane force(sheet_triangles, sheet, {{2.0, 0.45, 0.0}, {2.0, 0.45, 0.0}});
   Vectors x = sheet;
   for (Vec3& p : x)
-    p *= 0.7; // compressed: out-of-plane curvature is negative
+    p *= 0.7; // compressed, so the stiffness out of the plane is negative
   BlockPattern pattern(4);
   pattern.add(std::array<int, 4>{0, 1, 2, 3});
   BlockMatrix exact(pattern), positive(std::move(pattern));
@@ -117,7 +117,7 @@ TEST(Hinges, AngleMatchesFiniteDifferences) {
   const Vectors x = perturbed(sheet, 0.3, 3);
   EXPECT_GT(force.energy(x), 1e-3);
   check_gradient(force, x);
-  check_hessian(force, sheet); // exact at the rest angle only
+  check_hessian(force, sheet); // the matrix is exact only at the rest angle
 }
 
 TEST(Hinges, FoldsBeyondTheYieldAngle) {
@@ -204,7 +204,8 @@ TEST(RingFoundation, PressureTurnsWithTheSurface) {
   std::vector<RingFoundation::Element> rings;
   for (int v = around; v < 2 * around; ++v)
     rings.push_back({v, points[v], points[v] - Vec3(0, 0, 0.5), 0.1, {0.3, 3, 0.05, 0, 0.012, 1.0, 1.2}});
-  // torque about the axis over the forces' sum of lengths, once the ring is widened and turned by 0.1 rad
+  // Torque about the axis divided by the sum of the forces' magnitudes. The tube is widened by 30 % and turned by
+  // 0.1 rad.
   const auto torque = [&](const RingFoundation& force) {
     Vectors x = points, f(points.size(), Vec3::Zero());
     for (Vec3& p : x)

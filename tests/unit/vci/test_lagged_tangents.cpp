@@ -1,4 +1,5 @@
-// Some stiffness matrices neglect a term on purpose: the neglected part is the documented term, and it is bounded.
+// Some stiffness matrices neglect a term on purpose. The tests check that only the documented term is missing, and
+// that it is bounded.
 #include "force_checks.hpp"
 #include "vci/bench/crimper.hpp"
 #include "vci/devices/stent/cell_shear.hpp"
@@ -50,8 +51,8 @@ TEST(Hinges, MatrixLeavesOutOnlyHowTheAnglesGradientTurns) {
   const MatrixXd turn = differences_of(gradient, x);
   const double angle = dihedral(x[e.e0], x[e.e1], x[e.w0], x[e.w1]).angle;
   int bent = 0;
-  for (double bend : {0.0, 0.05, 0.1, -0.1, 1.0}) { // from the rest angle; stents and balloons yield at 0.1 rad
-    Vectors rest = sheet;                           // bent to the angle that leaves x this far from rest
+  for (double bend : {0.0, 0.05, 0.1, -0.1, 1.0}) { // rad from the rest angle; stents and balloons yield at 0.1
+    Vectors rest = sheet;                           // will be bent so that x is this far from rest
     const Vec3 hinge = (rest[e.e1] - rest[e.e0]).normalized();
     const double first = dihedral(rest[e.e0], rest[e.e1], rest[e.w0], rest[e.w1]).angle;
     const auto turned = [&](double by) {
@@ -66,7 +67,7 @@ TEST(Hinges, MatrixLeavesOutOnlyHowTheAnglesGradientTurns) {
     Hinges force(edges, rest, {0.7}, 1e9);
     check_gradient(force, x);
     const MatrixXd matrix = stiffness_of(force, x), whole = stiffness_by_differences(force, x);
-    // minus the derivative of -c bend g
+    // The force is -c * bend * g with c = 0.7. The matrix leaves out the derivative of the gradient g.
     EXPECT_LT(share(whole - matrix + 0.7 * bend * turn, matrix), 1e-6) << bend;
     EXPECT_LT(share(whole - matrix, matrix), 1.0 * std::abs(bend) + 1e-6) << bend;
     EXPECT_GT(least_curvature(matrix), -1e-12);
@@ -181,7 +182,8 @@ TEST(RingFoundation, MatrixLeavesOutOnlyHowTheSurfacesNormalsTurn) {
     Vectors x = tube.x;
     for (Vec3& p : x)
       p.head<2>() *= 1 + opening;
-    const auto off_the_reference = [&](const Vectors& p) { // pressure along the surface's normals instead of its own
+    // The force of the pressure along the surface's normals minus that along the reference normals.
+    const auto off_the_reference = [&](const Vectors& p) {
       const Vectors normals = vertex_area_vectors(tube.triangles, p, 0, static_cast<int>(p.size()));
       Vectors f(p.size(), Vec3::Zero());
       for (const auto& e : tube.middle)
@@ -251,7 +253,8 @@ TEST(Pressure, MatrixLacksTheOpenEdgesAndHalfIsMeantToStayPositive) {
 TEST(Fibres, MatrixOfPressedOnesLeavesOutOnlyTheirNegativeParts) {
   const Vectors x{{0, 0, 0}, {1.0, 0.2, 0.1}};
   const double l = (x[1] - x[0]).norm();
-  Fibres pressed({{0, 1, l * 1.2, 3.0}}), stretched_far({{0, 1, l / 3.2, 3.0}}); // tension falls beyond e times
+  // The tension of a fibre falls beyond a stretch of e.
+  Fibres pressed({{0, 1, l * 1.2, 3.0}}), stretched_far({{0, 1, l / 3.2, 3.0}});
   const MatrixXd buckles = stiffness_of(pressed, x) - stiffness_of(pressed, x, false);
   const MatrixXd falls = stiffness_of(stretched_far, x) - stiffness_of(stretched_far, x, false);
   for (const MatrixXd& left_out : {buckles, falls}) {

@@ -1,4 +1,5 @@
-// Contact of a body's layers: energy, force and stiffness of the assembled whole, exact where layers approach flat.
+// Contact between layers of one body. Where flat layers approach one another, energy, force and stiffness matrix of all
+// contacts agree exactly.
 #include "contact_checks.hpp"
 #include "vci/contact/self_contact.hpp"
 
@@ -9,7 +10,7 @@ using namespace contact_checks;
 
 /// Two layers of one body, the upper one `gap` over the lower one, with their outer or their inner faces to each other.
 struct Layers {
-  static constexpr double thickness = 0.05, stiffness = 30; // of one layer's part, MPa/mm
+  static constexpr double thickness = 0.05, stiffness = 30; // mm; MPa/mm, for the vertices of one layer
   System system;
   Vectors gap_direction;
   explicit Layers(bool outer_faces) {
@@ -45,15 +46,15 @@ TEST(SelfContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
       return f;
     };
     EXPECT_EQ(norm(force(0.0451)), 0);
-    // The three gaps are on the rise of the law, on its line, and on its line with one layer through the other. There
-    // is no new search between them: it would also find the crossed layer from its other side.
+    // The gaps are in the curved part of the law, in its linear part, and in its linear part with one layer through the
+    // other. No new search is made between them, because it would also find the crossed layer from its other side.
     for (const auto& [gap, law] : {std::pair{0.035, 0.5}, {0.01, 1.0}, {-0.006, 1.0}}) {
       constexpr double h = 1e-7, begins = 0.9 * Layers::thickness, width = 0.4 * Layers::thickness;
       const Vectors change = combined(force(gap + h), -1, force(gap - h)), f = force(gap);
       const std::vector<ContactPoint> points = layers.at(gap, contact);
       const Vectors predicted = predicted_change(stencils_of(points), layers.gap_direction);
       EXPECT_LT(norm(combined(predicted, -0.5 / h, change)), 1e-5 * norm(predicted)) << gap;
-      // energy: the law's integral from where contact begins
+      // energy: the integral of the law from the gap at which contact begins
       const auto energy = [&](double g) {
         const double a = begins - g;
         double area = 0;

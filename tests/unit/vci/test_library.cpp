@@ -1,4 +1,4 @@
-// The engine used as a library: arrays in and out, and a procedure that is taken a step further and asked.
+// The engine used as a library: arrays in and out, and a procedure that runs step by step.
 #include "tests/unit/vci/vessel.hpp"
 #include "vci/vci.hpp"
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ TEST(Arrays, GiveTheLumenTheyCameFrom) {
 TEST(Deployment, TakenStepByStepEndsWhereAllAtOnceDoes) {
   const tests::Vessel vessel;
   Lumen lumen = vessel.lumen();
-  lumen.plaque.assign(lumen.points.size(), 0.6); // fibrous plaque yields: a bare wall would go back
+  lumen.plaque.assign(lumen.points.size(), 0.6); // fibrous plaque yields; a bare wall would spring back
   lumen.plaque_type.assign(lumen.points.size(), 1);
   const std::map<std::string, Path> paths{{"main", vessel.axis()}};
   const Scene scene = two_balloons();

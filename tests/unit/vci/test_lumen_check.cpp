@@ -1,4 +1,5 @@
-// Lumens that no artery has, or that are not their centreline's, are refused and named; legitimate ones are not.
+// Lumens that no artery has, or that do not fit their centreline, are refused with the place of the fault. Legitimate
+// lumens pass.
 #include "common/error.hpp"
 #include "tests/unit/vci/vessel.hpp"
 #include "vci/scene/checks/lumen_check.hpp"
@@ -23,7 +24,7 @@ Scene scene_with(double stent_centre, double length = 8) {
   return scene;
 }
 
-/// What the check says; nothing where the lumen passes.
+/// Message of the check; empty if the lumen passes.
 std::string refusal(const Lumen& lumen, const Paths& paths, const Scene& scene = scene_with(10)) {
   try {
     check_lumen(scene, lumen, paths);
@@ -46,7 +47,7 @@ TEST(LumenCheck, PassesWhatVesselsMayBe) {
   const Vessel plain;
   EXPECT_EQ(refusal(plain.lumen()), "");
   EXPECT_EQ(refusal(plain.closed()), "") << "with caps";
-  for (double lesion_offset : {0.0, 1.2}) { // nine tenths of the diameter, all plaque on one side
+  for (double lesion_offset : {0.0, 1.2}) { // narrowed by nine tenths: a throat on the axis, then at one side
     Vessel severe;
     severe.narrowing = 0.9;
     severe.lesion_offset = lesion_offset;
@@ -91,7 +92,7 @@ TEST(LumenCheck, RefusesWhatIsNoSurface) {
   }
   soup.region.assign(soup.triangles.size(), 0);
   expect_words(refusal(soup), {"in one place", "merge them"});
-  Lumen scattered = soup; // by less than anybody sees, so that no two points are one
+  Lumen scattered = soup; // by less than 1 um, so that no two points coincide
   for (std::size_t v = 0; v < soup.points.size(); ++v)
     scattered.points[v] += 1e-7 * static_cast<double>(v) * Vec3(1, 0.3, 0.5);
   expect_words(refusal(scattered), {"in pieces", "1 of its 1536"});
@@ -132,8 +133,8 @@ TEST(LumenCheck, TellsHolesFromEnds) {
   expect_words(refusal(touching), {"meet in one point", "point 323 at"});
   expect_words(refusal(without_part(whole, 12, 13, -9)), {"in pieces"});
   Lumen uncapped = Vessel().closed();
-  uncapped.region.assign(uncapped.region.size(), 0);               // caps as wall
-  expect_words(refusal(uncapped), {"does not fit its radius_mm"}); // the middle of a cap is on the axis
+  uncapped.region.assign(uncapped.region.size(), 0);               // the caps count as wall
+  expect_words(refusal(uncapped), {"does not fit its radius_mm"}); // a cap's middle is on the axis
 }
 
 TEST(LumenCheck, ComparesTheWallWithItsRadiusAndTheAxis) {

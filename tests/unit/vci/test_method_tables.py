@@ -1,4 +1,4 @@
-"""The table of springs in vci/method.md holds the figures that the C++ test of thin tubes is held to."""
+"""The table of springs in vci/method.md has the figures that the C++ test of thin tubes asserts."""
 
 import pathlib
 import re

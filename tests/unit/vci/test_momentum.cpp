@@ -1,4 +1,4 @@
-// The bodies of a deployment without any support: the forces between and within them sum to zero.
+// The bodies of a deployment without any support from outside: forces within and between them sum to zero.
 #include "contact_checks.hpp"
 #include "straight_axis.hpp"
 #include "vci/devices/balloon/balloon.hpp"
@@ -18,7 +18,8 @@ using tests::straight_frames;
 using namespace contact_checks;
 
 /// A wall without foundation, a stent and a balloon without any support; all touch, and all are strained. The balloon
-/// is under pressure, its tips closed by fans of triangles. Negative anchors cancel those that hold it to its shaft.
+/// is under pressure, its tips closed by fans of triangles. Anchors of negative stiffness cancel the
+/// anchors that hold the balloon to its shaft.
 struct FreeSystem {
   System system;
   Interactions touching;

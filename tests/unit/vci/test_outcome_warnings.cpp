@@ -1,4 +1,5 @@
-// Warnings of stents that stay too small or stand off the wall: just inside and just outside of each limit.
+// Warnings after a procedure: small stents, stents off the wall, a folded wall, deep penetration. Each limit is tested
+// from both sides.
 #include "vci/procedure/diagnostics.hpp"
 #include "vci/results/readouts.hpp"
 

@@ -1,4 +1,4 @@
-// A device that leaves a stent through its side: the window, and the vertices round it.
+// A device that leaves a stent through its side: the window in the stent, and the rim of vertices around it.
 #include "vci/procedure/placement.hpp"
 #include <algorithm>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-"""What the benches beside published figures make of devices, plans and outcomes."""
+"""The benches that compare with published figures: devices, plans, outcomes and slopes."""
 
 import pathlib
 
@@ -15,7 +15,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 
 def write_tube(path, radii, around=16, spacing=0.5):
-    """A device's open tube with these ring radii."""
+    """Writes an open tube with these ring radii (mm) as the file of a device. Returns the path."""
     angle = 2 * np.pi * np.arange(around) / around
     rings = [[r * np.cos(a), r * np.sin(a), spacing * k] for k, r in enumerate(radii) for a in angle]
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -39,7 +39,7 @@ def test_entries_of_the_catalogue_make_a_scene():
 
 @pytest.fixture
 def stented(tmp_path):
-    """A CaseOutcome: a stent on a balloon of 3.0 mm at 11 bar, 3.3 mm afterwards; engine and truth known."""
+    """A CaseOutcome with engine and truth: a stent on a balloon of 3.0 mm at 11 bar, then a balloon of 3.3 mm."""
     write_tube(tmp_path / "engine/devices/stent_balloon.vtp", [0.5, 1.3, 1.4, 1.3, 0.5], spacing=2.0)
     chart = {"pressure_bar": [5, 11, 16], "diameter_mm": [2.9, 3.0, 3.1]}
     devices = {"b": {"kind": "balloon", "chart": chart}, "s": {"kind": "stent", "balloon": "b", "length_mm": 5}}

@@ -1,4 +1,4 @@
-// The baseline on a narrowed bend, and what it does to wall that is not the stented branch's.
+// Radius correction, the baseline method, on a narrowed bend, and its effect on the wall of another branch.
 #include "vci/procedure/radius_correction.hpp"
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ Lumen narrowed_bend() {
   return l;
 }
 
-/// The axis as it is read: corners every half millimetre.
+/// The axis as a file gives it: a polyline with a corner every half millimetre.
 std::map<std::string, Path> polyline() {
   Vectors points;
   for (double s = 0; s <= axis_length; s += 0.5)
@@ -75,7 +75,7 @@ TEST(RadiusCorrection, TheSpanTakesTheDevicesRadiusAndTheRestStays) {
     const double s = axis_length * static_cast<double>(v / 80) / 240;
     const double r = std::hypot(std::hypot(moved[v].x(), moved[v].y()) - bend, moved[v].z());
     if (std::abs(s - middle) < 2.3) {
-      EXPECT_NEAR(r, expected_radius(scene), 0.01) << "at " << s << " mm"; // the chords' sagitta is 0.006 mm
+      EXPECT_NEAR(r, expected_radius(scene), 0.01) << "at " << s << " mm"; // the polyline is 0.006 mm off the arc
     } else if (std::abs(s - middle) > 5.7) {
       EXPECT_EQ(moved[v], l.points[v]);
     }
@@ -96,7 +96,7 @@ TEST(RadiusCorrection, WallThatMovesFarInABendDoesNotFold) {
 TEST(RadiusCorrection, ANeighboursWallGivesWayAndKeepsItsOrder) {
   Lumen l = narrowed_bend();
   std::map<std::string, Path> paths = polyline();
-  // a thin vessel across the throat, above it
+  // a thin vessel that crosses the throat above it
   const Vec3 over = axis_point(middle), along = over.normalized();
   Vectors line;
   for (double x = -3; x <= 3; x += 0.5)

@@ -95,7 +95,7 @@ TEST(RingHoops, KeepsItsSizeAfterYield) {
   }
   const double tension = force_at(force, x).norm();
   EXPECT_GT(tension, 0);
-  Vectors smaller = x; // springs back by its elastic strain alone
+  Vectors smaller = x; // smaller by about its elastic strain, so almost free of force
   for (Vec3& p : smaller)
     p /= 1.04;
   EXPECT_LT(force_at(force, smaller).norm(), 0.05 * tension);
@@ -111,7 +111,7 @@ TEST(RingHoops, FlowThatTurnsBackFarIsElastic) {
     return dx;
   };
   EXPECT_FALSE(force.stop_reversed_flow(x, radial(-0.1))) << "nothing flowed yet";
-  force.commit(x); // yields, so the next stiffness is that of flow
+  force.commit(x); // yields, so the next stiffness is plastic
   EXPECT_FALSE(force.stop_reversed_flow(x, radial(0.1))) << "flow goes on";
   EXPECT_FALSE(force.stop_reversed_flow(x, radial(-0.02))) << "elastic unloading";
   EXPECT_TRUE(force.stop_reversed_flow(x, radial(-0.1)));
@@ -124,8 +124,8 @@ TEST(RingEvenness, ForceIsTheEnergysGradientAndAnEvenRingIsFree) {
   EXPECT_LT(force_at(force, circle(1.0, 0)).norm(), 1e-12);
 }
 
-/// Opens a ring with a flaw (one edge 20 % longer) to three times its size by equal radial forces.
-// Evenness as a stent has it: twice the yield tension times the edge.
+/// Equal radial forces open a ring with a flaw (one edge 20 % longer) to more than 2.5 times its size. The evenness is
+/// about that of a stent: twice the yield tension times the nominal edge, here the edge at three times the size.
 TEST(RingHoops, AFlawDoesNotNeck) {
   System system;
   Vectors x = circle(0.5, 0);
@@ -142,7 +142,7 @@ TEST(RingHoops, AFlawDoesNotNeck) {
   system.add_force(
       body, std::make_unique<RingHoops>(std::vector<RingHoops::Ring>{{all_vertices(), 5.0, 0.03, 0.01, perimeter(x)}}));
   system.add_force(body, std::make_unique<RingEvenness>(std::vector<RingEvenness::Ring>{{all_vertices(), 0.25}}));
-  /// Pulls outwards with a force that falls with the radius: balanced near three times the size.
+  /// Pulls outwards with a force that falls to 0 at a radius of 2.1 mm.
   class Pull : public Force {
   public:
     ForceKind kind() const override { return ForceKind::pressure; }
@@ -156,7 +156,7 @@ TEST(RingHoops, AFlawDoesNotNeck) {
       for (int i = 0; i < n; ++i) {
         const Vec3 d = p[i] - centre(p), e = d.normalized(), pull = 0.15 * (2.1 - d.norm()) * e;
         force[i] += pull;
-        for (int j = 0; j < n; ++j) // the ring as a whole is not pulled anywhere: it would run off its centre
+        for (int j = 0; j < n; ++j) // the pulls sum to zero, so that the ring does not drift
           force[j] -= pull / n;
         if (k)
           k->block(k->diagonal_slot(i)) += 0.15 * e * e.transpose();

@@ -41,7 +41,7 @@ json good_scene() {
              {"devices", {{{"device", "s"}, {"branch", "main"}, {"centre_s_mm", 10.0}, {"pressure_bar", 8}}}}}}}};
 }
 
-// A text written to a file that is this process's own: ctest runs the tests of this source side by side.
+// A text in a file named after the process, because ctest runs the tests of this source at the same time.
 class SceneFile {
 public:
   explicit SceneFile(const std::string& text)
@@ -118,7 +118,7 @@ TEST(Scene, RefusesBadValuesWithTheirKey) {
   expect("/devices/b/folding", {{"wings", 7}}, "folding.wings");
   expect("/devices/b/folding", {{"wrap", "left"}}, "folding.wrap");
   expect("/devices/b/folding", {{"pleats", 3}}, "pleats");
-  expect("/devices/b/nominal_pressure_bar", 10, "nominal_pressure_bar"); // 3.067 mm by the chart
+  expect("/devices/b/nominal_pressure_bar", 10, "nominal_pressure_bar"); // the chart has 3.067 mm at 10 bar
   expect("/devices/b/nominal_diameter_mm", 3.04, "contradicts");
   expect("/numerics", {{"fixed_step_ms", 0.02}}, "fixed_step_ms");
   expect("/procedure/0/action", "pray", "action");
@@ -136,7 +136,7 @@ TEST(Scene, RefusesDevicesThatCannotBe) {
   };
   expect({{"/devices/s/length_mm", 14}, {"/devices/b/length_mm", 6}}, "longer than the balloon");
   expect({{"/devices/s/length_mm", 20}}, "longer than the balloon");
-  expect({{"/devices/s/length_mm", 13}}, "accepted"); // half a millimetre over at each end
+  expect({{"/devices/s/length_mm", 13}}, "accepted"); // half a millimetre longer than the balloon at each end
   expect({{"/devices/s/length_mm", 8}}, "accepted");
   expect({{"/devices/s/crimped_diameter_mm", 3}}, "as wide crimped");
   expect({{"/devices/b/crimped_diameter_mm", 3}}, "as wide crimped");

@@ -91,7 +91,7 @@ struct Plates {
 };
 
 TEST(Septum, CompressedPlatesPushBackAsAConfinedSolid) {
-  const double thickness = 1.1, stretch = 0.6; // the walls touch, so Young's modulus is theirs
+  const double thickness = 1.1, stretch = 0.6; // no thicker than both walls, so the modulus is theirs
   const Plates plates(thickness);
   const Septum septum(plates.elements(), poisson_ratio);
   Vectors x = plates.points, force(x.size(), Vec3::Zero());

@@ -1,4 +1,4 @@
-"""The engine's settings and the schema that describes and checks them say the same."""
+"""The engine's settings agree with the schema that describes and checks them."""
 
 import json
 import subprocess
@@ -44,7 +44,7 @@ def test_schema_and_engine_agree_on_every_setting(table, repo_root):
 
 
 def test_limits_are_inside(table, repo_root):
-    """Every limit of the schema is a limit: none is exclusive, which the engine's numbers are not."""
+    """The schema has no exclusive limit, because all limits of the engine are inclusive."""
     schema = (repo_root / "config/schemas/deployment.schema.yaml").read_text()
     assert "exclusive" not in schema
 

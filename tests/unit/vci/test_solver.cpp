@@ -68,8 +68,8 @@ TEST(Pcg, SaysSoWhenItRunsOutOfIterations) {
   EXPECT_GT(result.residual, 1e-14);
 }
 
-/// A chain of springs, held at its first vertex and pulled at its last: the long waves that block Jacobi passes on
-/// slowly.
+/// A chain of springs, held at its first vertex and pulled at its last. Its displacement is one long wave, which the
+/// block Jacobi preconditioner passes on slowly.
 struct Chain {
   static constexpr int n = 120;
   BlockMatrix matrix;

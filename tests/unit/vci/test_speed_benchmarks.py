@@ -1,4 +1,4 @@
-"""What the deployment's benchmarks make of their rows: settings, references, refusals, levels of error, tables."""
+"""The deployment's benchmarks: settings, reference runs, refusals, levels of error, tables of the page."""
 
 import argparse
 import csv
@@ -37,7 +37,7 @@ def test_all_but_the_first_values_are_run_at_one_edge():
 
 
 def rows_with(monkeypatch, refused):
-    """A case's rows where the settings (edge, tolerance) `refused` do not balance; areas are 10 + edge."""
+    """Rows of a case in which the settings (edge, tolerance) in `refused` find no balance. Mean areas are 10 + edge."""
 
     def fake_row(_programs, case, setting, _folder):
         row = {"case": case} | dict(zip(benchmark.SETTING_COLUMNS, setting))
@@ -125,7 +125,7 @@ def test_the_page_names_tables_that_there_are():
 
 
 def deployment(areas, steps, depth, warnings=()):
-    """What the columns of first_steps.csv need of a deployment.json."""
+    """The parts of a deployment.json from which the columns of first_steps.csv are made."""
     stages = [{"steps": count, "max_penetration_mm": depth} for count in steps]
     profile = [{"s_mm": k, "area_mm2": area} for k, area in enumerate(areas)]
     return {"csa_profile": profile, "stages": stages, "warnings": list(warnings)}

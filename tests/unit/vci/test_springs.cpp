@@ -61,7 +61,7 @@ TEST(CellShear, ResistsShearAndNothingElse) {
   for (Vec3& p : opened)
     p[0] *= 3;
   EXPECT_NEAR(force.energy(opened), 0, 1e-15);
-  check_hessian(force, opened, 1e-6); // Gauss-Newton: exact where the diagonals are alike
+  check_hessian(force, opened, 1e-6); // a Gauss-Newton matrix: exact where the diagonals are equally long
   check_gradient(force, perturbed(opened, 0.2, 5));
   EXPECT_GT(force.energy(perturbed(opened, 0.2, 5)), 1e-4);
 }

@@ -1,5 +1,4 @@
-// The state after a procedure: devices within the wall, stents that something supports, their sections and
-// perimeters.
+// The state after a procedure: devices inside the wall, stents with a support, areas and perimeters of stents' rings.
 #include "common/error.hpp"
 #include "vci/procedure/diagnostics.hpp"
 #include "vci/procedure/state_checks.hpp"
@@ -113,7 +112,7 @@ TEST(Rings, SectionsAreTheTubesHoweverAslantItsRingsLie) {
   const RingGrid grid = grid_of(10, 1.5);
   const int body = add_tube(system, "stent", grid, 1.5);
   for (int v = 0; v < system.vertices(); ++v)
-    system.x[v][2] += 0.4 * system.x[v][0]; // each ring turned by 22 degrees within the cylinder
+    system.x[v][2] += 0.4 * system.x[v][0]; // each ring tilted by 22 degrees within the cylinder
   for (const double area : ring_section_areas(system, body, grid))
     EXPECT_NEAR(area, pi * 1.5 * 1.5, 1e-9);
   for (const double radius : ring_radii(system, body, grid))
@@ -128,14 +127,14 @@ TEST(Rings, AnOvalsPerimeterIsMoreThanItsAreaSays) {
     EXPECT_NEAR(d, 3, 1e-9);
   for (Vec3& p : system.x)
     p = {1.3 * p[0], p[1] / 1.3, p[2]};
-  // Ramanujan's circumference of an ellipse; the polygon's is a little off the arcs'
+  // Ramanujan's circumference of an ellipse divided by pi. The perimeter of the ring's arcs differs from it a little.
   const double a = 1.5 * 1.3, b = 1.5 / 1.3, h = std::pow((a - b) / (a + b), 2);
   const double perimeter = (a + b) * (1 + 3 * h / (10 + std::sqrt(4 - 3 * h)));
   EXPECT_GT(perimeter, 3.09);
   for (const double d : perimeter_diameters(system, body, grid))
     EXPECT_NEAR(d, perimeter, 0.002 * perimeter);
   StentSpec spec{};
-  spec.maximal_diameter = 3.05; // a round stent of that area passes
+  spec.maximal_diameter = 3.05; // a round stent of the same area, 3 mm wide, would pass
   const auto warning = overexpansion_warning(system, stent_of(body, grid, "des"), spec, "kissing");
   ASSERT_TRUE(warning.has_value());
   EXPECT_NE(warning->find("kissing: des is opened to 3.1"), std::string::npos) << *warning;

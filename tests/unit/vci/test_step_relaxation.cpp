@@ -1,4 +1,4 @@
-// The damping of steps that jump to and fro, on made-up iterations whose limits are known.
+// The damping of steps that alternate in direction, on invented iterations whose limits are known.
 #include "vci/solver/step_relaxation.hpp"
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@ namespace {
 
 using namespace vci;
 
-/// Each vertex at x makes a step of rate x. Undamped, it converges to 0 only for rates between -2 and 0.
+/// The step of a vertex at x is its rate times x. Without damping it converges to 0 only for rates between -2 and 0.
 Vectors steps_of(const Vectors& x, const std::vector<double>& rate) {
   Vectors dx(x.size());
   for (std::size_t i = 0; i < x.size(); ++i)

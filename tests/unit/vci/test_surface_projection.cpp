@@ -1,4 +1,4 @@
-// Projection along interpolated normals: every candidate counts, and a sharp fold does not make it jump.
+// Surface projection along interpolated normals: it tries every candidate triangle, and a sharp fold causes no jump.
 #include "vci/contact/surface_projection.hpp"
 #include "vci/geometry/surface.hpp"
 #include <cmath>
@@ -17,7 +17,7 @@ Vectors unit_normals_of(const System& system) {
 }
 
 TEST(SurfaceProjection, LooksAtEveryCandidate) {
-  constexpr int around = 24; // triangles in a flat fan; the vertex lies over the last
+  constexpr int around = 24; // triangles in a flat fan; the point is above the last
   Vectors points{Vec3::Zero()};
   Triangles triangles;
   for (int k = 0; k < around; ++k) {
@@ -51,7 +51,7 @@ TEST(SurfaceProjection, PassesAnEdgeWithoutAJump) {
   const Vectors unit_normals = unit_normals_of(system);
   const Body& body = system.body(0);
   const Vec3 n = interpolated_normal(body.triangles[0], {0.5, 0.5, 0}, unit_normals), across = n.cross(Vec3::UnitY());
-  const double out = across[0] > 0 ? 1 : -1; // beyond the edge
+  const double out = across[0] > 0 ? 1 : -1; // the side beyond the edge
   SurfaceProjection before, beyond;
   ASSERT_TRUE(follow_projection(0.02 * n - 1e-4 * out * across, 0, system, unit_normals, body, before));
   EXPECT_TRUE(before.along_normals);

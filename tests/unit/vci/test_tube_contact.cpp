@@ -1,4 +1,4 @@
-// Contact of tubes within one another: fading before open ends and windows, projections followed, malapposition.
+// Contact of nested tubes: fading towards open ends and windows, followed surface projections, malapposition.
 #include "vci/contact/apposition.hpp"
 #include "vci/contact/contact.hpp"
 #include "vci/devices/balloon/balloon.hpp"
@@ -52,7 +52,7 @@ TEST(SurfaceContact, NestedTubesOfFewSidesMeetAsCirclesDo) {
 }
 
 TEST(SurfaceContact, FindsOnTheWayWhatItWouldFindAnew) {
-  ContactSettings settings; // far vertices are not searched for at every turn
+  ContactSettings settings; // vertices far from the surface are not searched at every call
   System system;            // a chord of the outer tube lies up to 0.073 mm within its circle
   add_tube(system, 10, 1.5, 0);
   add_tube(system, 12, 1.5, 0.2);
@@ -71,13 +71,14 @@ TEST(SurfaceContact, FindsOnTheWayWhatItWouldFindAnew) {
     SurfaceContact(1, 0, settings).detect(system, area_vectors(system), anew);
     ASSERT_EQ(found.size(), anew.size()) << "gap " << gap;
     for (std::size_t k = 0; k < found.size(); ++k)
-      EXPECT_NEAR(found[k].gap, anew[k].gap, 1e-7); // mm: to which projections are followed
+      EXPECT_NEAR(found[k].gap, anew[k].gap, 1e-7); // mm, the tolerance of followed projections
     most = std::max(most, found.size());
   }
   EXPECT_GT(most, 100u);
 }
 
-/// A tube inside one with a window. The outer tube has rings of 12 vertices.
+/// A tube in an outer tube that has a window. The inner tube reaches `depth` (mm) through the outer one. Rings of the
+/// outer tube have 12 vertices.
 struct WindowedTubes {
   System system;
   std::vector<char> window, rim;
@@ -153,11 +154,11 @@ TEST(SurfaceContact, EndsAtVerticesRoundAWindowThatTouchInTurn) {
 TEST(Malapposition, IsTheGapBetweenTheCirclesNotTheirChords) {
   for (const double gap : {0.0, 0.05, 0.2, 2.5}) {
     constexpr double radius = 1.5;
-    System system; // chords of ten and twelve sides lie up to 0.08 and 0.05 mm within their circles
+    System system; // the stent's ten chords lie up to 0.07 mm within its circle
     add_tube(system, 12, radius + gap, 0);
     add_tube(system, 10, radius, 0.2, "stent");
     add_tube(system, 10, 0.5 * radius, 0.2, "balloon");
-    add_tube(system, 10, radius - 0.3, 0.1, "stent"); // overlapped: the nearer one counts
+    add_tube(system, 10, radius - 0.3, 0.1, "stent"); // a second stent within the first; the nearer one counts
     const std::vector<double> gaps = malapposition(system, {{1}, {3}});
     int amid = 0; // away from the open ends, whose normals lean
     for (int v = 0; v < system.body(0).count; ++v)

@@ -1,4 +1,4 @@
-// Damaged .vtp files that VTK's reader breaks on, hangs over or believes are refused before it sees them.
+// Damaged .vtp files are refused before VTK's reader gets them. The reader would crash, hang, or accept false data.
 #include "common/error.hpp"
 #include "vci/scene/files/reading.hpp"
 #include <fstream>
@@ -26,7 +26,7 @@ const std::string triangle = R"(<?xml version="1.0"?>
 </VTKFile>
 )";
 
-/// The triangle with one text replaced by another.
+/// The file `triangle` with one text replaced by another.
 std::string with_replaced(const std::string& from, const std::string& to) {
   std::string text = triangle;
   const std::size_t at = text.find(from);
@@ -34,7 +34,7 @@ std::string with_replaced(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
-/// What the refusal says; empty where the file is read.
+/// Message of the refusal; empty if the file is read.
 std::string refusal_of(const std::string& text) {
   const auto file = std::filesystem::path(testing::TempDir()) / ("vci_check_" + std::to_string(::getpid()) + ".vtp");
   std::ofstream(file) << text;
@@ -55,12 +55,12 @@ void expect_refused(const std::string& text, const std::string& reason) {
   EXPECT_NE(refusal_of(text).find(reason), std::string::npos) << reason << ", but: " << refusal_of(text);
 }
 
-/// The triangle with its radii as base64.
+/// The file `triangle` with its radii as base64.
 std::string with_binary_radii(const std::string& radii) {
   return with_replaced(R"(format="ascii">1 2 3)", R"(format="binary">)" + radii);
 }
 
-/// The triangle with a compressed array of the header's words (bytes, base64) in place of its radii.
+/// The file `triangle` with a compressed array in place of its radii. @param header the array's header as base64
 std::string with_compressed_radii(const std::string& header) {
   const std::string from = R"(<DataArray type="Float64" Name="radius_mm" format="ascii">1 2 3)";
   std::string text = with_replaced(from, R"(<DataArray type="Float64" Name="radius_mm" format="binary">)" + header);
@@ -83,14 +83,14 @@ TEST(VtpCheck, RefusesMorePointsCellsOrComponentsThanThereAreValues) {
   expect_refused(with_replaced(R"(format="ascii">3<)", R"(format="ascii">3000000000<)"),
                  "more values than the file has bytes");
   expect_refused(with_replaced(R"(format="ascii">3<)", R"(format="ascii">-3<)"), "offsets that do not rise");
-  // VTK asks for a name of each of them
+  // VTK would ask for the name of each component
   expect_refused(with_replaced(R"(Name="region_id")", R"(Name="region_id" NumberOfComponents="2000000000")"),
                  "components");
 }
 
 TEST(VtpCheck, RefusesWhatMakesTheReaderFollowNullPointers) {
   std::string text =
-      with_replaced("format=\"ascii\">7<", "format=\"ascii\"><"); // cells' data end early, and no points' data
+      with_replaced("format=\"ascii\">7<", "format=\"ascii\"><"); // the cell data end early, and no point data
   text.replace(text.find("<PointData>"), 11, "<SomeData >");
   text.replace(text.find("</PointData>"), 12, "</SomeData >");
   expect_refused(text, "fewer data than the element claims: region_id");
@@ -107,7 +107,7 @@ TEST(VtpCheck, ChecksEveryPiece) {
 
 TEST(VtpCheck, RefusesTextsBeyondTheirArray) {
   const std::string names = R"(<CellData><DataArray type="String" Name="branch_name" format="ascii">)";
-  const std::string main = "109 97 105 110 0 "; // as VTK writes it: the characters' numbers, and an end
+  const std::string main = "109 97 105 110 0 "; // "main" as VTK writes it: its character codes and a 0
   EXPECT_EQ(refusal_of(with_replaced("<CellData>", names + main + "</DataArray>")), "");
   expect_refused(with_replaced("<CellData>", names + main + main + main + "</DataArray>"), "another number of texts");
   expect_refused(with_replaced("<CellData>", names + "109 97</DataArray>"), "another number of texts");
@@ -123,7 +123,8 @@ TEST(VtpCheck, RefusesElementsDeepInOneAnother) {
 }
 
 TEST(VtpCheck, RefusesBlocksThatCannotBe) {
-  // words of 4 bytes: blocks, bytes of each, bytes of the last, compressed bytes of each
+  // The header has words of 4 bytes: number of blocks, bytes of a block, bytes of the last block, compressed bytes of
+  // each block.
   expect_refused(with_compressed_radii("AQAAAAAAAAAYAAAAEAAAAA=="), "a block of data of no size"); // 1, 0, 24, 16
   expect_refused(with_compressed_radii("AgAAAAgAAAAYAAAAEAAAABAAAAA="), "larger than the others"); // 2, 8, 24, 16, 16
   expect_refused(with_compressed_radii("AAAAAAAAAAAYAAAA"), "a block of data that is not there");  // 0, 0, 24

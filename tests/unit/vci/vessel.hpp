@@ -1,4 +1,4 @@
-// A tube along z, narrowed halfway, with its centreline: what lumens of tests are made of.
+// A tube along z with a narrowing at mid-length, and its centreline. Tests build their lumens from it.
 #pragma once
 #include "vci/geometry/centreline.hpp"
 #include "vci/geometry/lumen.hpp"
@@ -10,7 +10,7 @@ namespace vci::tests {
 
 struct Vessel {
   double length = 20, radius = 1.5, narrowing = 0.5,
-         lesion_offset = 0; ///< mm, mm, share of the radius; mm that the throat leans
+         lesion_offset = 0; ///< in order: mm, mm, share of the radius, shift of the throat off the axis in mm
   int around = 16, rows = 48;
 
   double lesion_shape(double s) const { // 0 beside the lesion, 1 in its middle
@@ -38,7 +38,7 @@ struct Vessel {
     return l;
   }
 
-  /// With flat caps: region 1 at the inlet, 2 at the outlet.
+  /// The lumen with flat caps: region 1 at the inlet, region 2 at the outlet.
   Lumen closed() const {
     Lumen l = lumen();
     for (int end : {0, 1}) {

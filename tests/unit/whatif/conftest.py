@@ -13,7 +13,7 @@ BALLOON = {"kind": "balloon", "chart": {"pressure_bar": [4, 16]}, "rated_burst_p
 
 
 class Vessel:
-    """What whatif reads of a case: a tube with a radius of 1 mm before PCI, and larger ones in the states after it."""
+    """A case as whatif reads it: a tube with a radius of 1 mm before PCI and larger radii after it."""
 
     def __init__(self):
         self.flow_settings = settings_module.make()

@@ -1,4 +1,4 @@
-"""Other plans: one thing changed each, by the catalogue's sizes and pressures."""
+"""Alternative plans: each changes one thing, to another size or pressure of the catalogue."""
 
 import copy
 
@@ -15,7 +15,7 @@ def families(repo_root):
 
 
 def changed(steps, other):
-    """{(action, key): value} of what differs in plans of the same steps."""
+    """{(action, key): value in `other`} of the device values that differ between two plans with the same steps."""
     assert [step["action"] for step in steps] == [step["action"] for step in other]
     return {
         (step["action"], key): theirs[key]

@@ -1,4 +1,4 @@
-"""The calibrated network: Poiseuille's loss, what it is calibrated on given back, the error by the other states."""
+"""The calibrated network: Poiseuille's loss, the FFR of the states it is calibrated on, its error on the others."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ def test_the_networks_loss_of_a_tube_is_poiseuilles(vessel):
     probe = document["probes"][0]
     per_metre = 8 * document["viscosity_pa_s"] / (np.pi * 1e-3**4)
     pressure = document["map_pa"] - document["venous_pressure_pa"]
-    # of the sections, which leave half a millimetre at each end
+    # 39 mm long, because the sections leave half a millimetre at each end
     flow = pressure / (per_metre * 39.0e-3 + document["outlets"][0]["resistance_pa_s_per_m3"])
     expected = per_metre * flow * (probe["s_mm"] - 0.5) * 1e-3 / document["map_pa"]
     assert 0 < probe["s_mm"] < 40
@@ -21,7 +21,7 @@ def test_the_networks_loss_of_a_tube_is_poiseuilles(vessel):
 
 
 def test_the_probe_is_found_where_the_axis_has_moved(vessel):
-    """A lumen whose axis was stretched by a tenth: its sections' arc length at the probe is a tenth longer."""
+    """If the axis of a lumen is stretched by a tenth, the arc length of its sections at the probe grows by a tenth."""
     anatomy, sections = vessel.lumen("pre")
     probe = vessel.boundary["probes"][0]
     point = np.array(probe["point_mm"])

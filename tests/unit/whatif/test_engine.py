@@ -1,4 +1,4 @@
-"""A program that has no answer is told apart from one that is not there."""
+"""Programs that refuse, break off or are missing are told apart."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from whatif import engine
 
 
 def test_the_last_error_of_a_program_is_the_reason():
-    """`vci deploy` logs its progress before an error."""
+    """`vci deploy` logs its progress before an error, so the reason is the last error line."""
     script = (
         "echo 'switched off: wall further than 6 mm' >&2; echo 'error: no force balance' >&2; echo '  where: x' >&2"
     )

@@ -1,4 +1,4 @@
-"""FFR of given lumens: the planned one's given back, wider and narrower ones on the right side of it."""
+"""FFR of given lumens: those of the calibration keep their FFR, wider ones have a higher, narrower ones a lower FFR."""
 
 import pathlib
 

@@ -34,7 +34,7 @@ def test_a_hypercube_fills_every_range_evenly_and_is_the_same_again():
 
 
 def test_the_interval_is_the_middle_of_the_samples():
-    """Of a alone: uniform between .88 and .92, so the middle 95 % is .881 to .919."""
+    """Only input a varies. FFR is then uniform from 0.88 to 0.92, and its middle 95 % is 0.881 to 0.919."""
     row = sampling.sample_intervals(INPUTS[:1], 400, answers_at).iloc[0]
     assert (row["lower"], row["upper"]) == pytest.approx((0.881, 0.919), abs=2e-4)
     assert (row["samples"], row["left_out"], row["inputs"]) == (400, 0, 1)

@@ -1,4 +1,4 @@
-"""A lumen at another radius: every section of it, but for what a stent holds."""
+"""A lumen with another radius: every section changes except those that a stent holds."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def test_only_stents_hold_and_where_they_lie(vessel):
 
 
 def test_a_varied_procedure_holds_its_own_stretch(vessel, tmp_path):
-    """In one lumen the image's error counts more where no stent holds a stretch of it."""
+    """In the same lumen the image's error changes the loss more if no stent holds a part of it."""
     file = tmp_path / "case.yaml"
     file.write_text(CASE)
     answers, lumen, off = sensitivity.VariedFlow(vessel, file), vessel.lumen("vci"), {segmentation.RADIUS_INPUT: -0.02}
@@ -63,8 +63,8 @@ def test_a_narrower_lumen_has_a_lower_ffr_as_poiseuille_says(vessel, tmp_path):
     assert segmentation.RADIUS_INPUT in [one.name for one in answers.inputs]
     planned, narrow = answers.ffr_of_states({}), answers.ffr_of_states({segmentation.RADIUS_INPUT: -0.02})
     grown = {state: (1 - narrow[state, "ffr"]) / (1 - planned[state, "ffr"]) for state in ("pre", "vci")}
-    # the loss grows with 1 / r^4; the flow that it holds back takes a little of that
+    # The loss grows with 1 / r^4. A larger loss lowers the flow, so it grows a little less.
     assert 1.04 < grown["pre"] < 0.98**-4
-    free = 1 - 18.0 / (vessel.boundary["probes"][0]["s_mm"] - 0.5)  # of what is upstream of the probe
+    free = 1 - 18.0 / (vessel.boundary["probes"][0]["s_mm"] - 0.5)  # share of the length upstream of the probe
     all_free = (1 - 0.02 / 1.4) ** -4
     assert grown["vci"] == pytest.approx(1 + free * (all_free - 1), abs=0.006) and grown["vci"] < all_free - 0.02

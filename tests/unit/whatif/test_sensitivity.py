@@ -1,4 +1,4 @@
-"""Inputs of the flow and the deployment: what a value does to the boundary values and to the scene."""
+"""Uncertain inputs of flow and deployment: their effect on the boundary values and on the scene."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from common.errors import ComputationError
 from whatif import flow_inputs, sensitivity
 
 
-PATIENT = {"lvm_g": 150, "sbp_mmhg": 120, "dbp_mmhg": 80}  # the vessel's
+PATIENT = {"lvm_g": 150, "sbp_mmhg": 120, "dbp_mmhg": 80}  # as of the vessel in conftest.py
 SCENE = {
     "segment": {"branch": "main", "s_start_mm": 10.0, "s_end_mm": 28.0},
     "devices": {
@@ -49,7 +49,7 @@ def test_the_inputs_of_a_patient(vessel):
     names = {one.name: one for one in flow_inputs.uncertain_inputs(PATIENT, vessel.flow_settings, 2)}
     assert set(names) == {"blood_pressure", "mass", "hyperaemia", "territory", "split_exponent", "outlet_diameter"}
     assert all(one.low < one.planned < one.high for one in names.values())
-    # 3.69 mL/min/g of 150 g, 7 or 5 of 17 segments, over the 190.2 mL/min of the published law
+    # 3.69 mL/min/g in 7 or 5 of the 17 segments of 150 g, divided by 190.2 mL/min of the published law
     assert names["territory"].high == pytest.approx(100 * (3.69 * 150 * 7 / 17 / 190.2 - 1), abs=0.1)
     assert names["territory"].low == pytest.approx(100 * (3.69 * 150 * 5 / 17 / 190.2 - 1), abs=0.1)
     alone = {one.name for one in flow_inputs.uncertain_inputs(PATIENT, vessel.flow_settings, 1)}
@@ -87,7 +87,7 @@ def test_more_flow_lowers_ffr_before_more_than_after(vessel, tmp_path):
     planned, more = answers.ffr_of_states({}), answers.ffr_of_states({"mass": 20.0})
     assert planned == {("pre", "ffr"): 0.70, ("vci", "ffr"): 0.90}
     drop = {state: planned[state, "ffr"] - more[state, "ffr"] for state in ("pre", "vci")}
-    # a tube loses in proportion to its flow, which the tube itself holds back
+    # The loss of a tube is proportional to its flow. A larger loss lowers the flow.
     assert 0.0 < drop["vci"] < 0.1 * 0.15 and drop["vci"] < drop["pre"] < 0.3 * 0.15
 
 
