@@ -1,5 +1,7 @@
 """One style for all figures. The line styles, colours and labels of the states come from common/patient/states.py."""
 
+import re
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -65,5 +67,17 @@ def save_figure(figure, folder, name):
     for path, metadata in zip(paths, ({"Date": None, "Creator": None}, {"Software": None})):
         with replacing(path) as partial:
             figure.savefig(partial, format=path.suffix[1:], metadata=metadata)
+            if path.suffix == ".svg":
+                partial.write_text(_with_numbered_clip_paths(partial.read_text(encoding="utf-8"), name), encoding="utf-8")
     plt.close(figure)
     return paths
+
+
+def _with_numbered_clip_paths(svg, name):
+    """The text of an SVG file with the ids <name>_clip0, <name>_clip1, ... of its clip paths, in order of appearance.
+
+    matplotlib makes some of these ids from memory addresses, so that they differ from run to run.
+    """
+    ids = dict.fromkeys(re.findall(r'<clipPath id="([^"]+)"', svg))
+    numbers = {one: f"{name}_clip{k}" for k, one in enumerate(ids)}
+    return re.sub(r"\bp[0-9a-f]{10}\b", lambda found: numbers.get(found[0], found[0]), svg)

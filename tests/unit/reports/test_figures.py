@@ -1,6 +1,7 @@
 """Figures: what is written, the same bytes twice, and the geometry of the pictures."""
 
 import json
+import re
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -51,6 +52,11 @@ def test_the_same_bytes_twice_and_no_dates(measured_case, tmp_path):
     for name in names:
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
     assert "<dc:date>" not in (tmp_path / "a" / "tube_area.svg").read_text()
+    for name in ("agreement", "tube_area"):  # matplotlib makes ids of clip paths from memory addresses
+        text = (tmp_path / "a" / f"{name}.svg").read_text()
+        ids = re.findall(r'<clipPath id="([^"]+)"', text)
+        assert ids == [f"{name}_clip{k}" for k in range(len(ids))] != []
+        assert set(re.findall(r'clip-path="url\(#([^)]+)\)"', text)) <= set(ids)
 
 
 def test_a_study_without_reference_has_no_agreement_plot(measured_case, tmp_path):
