@@ -15,7 +15,7 @@ LARGEST_UNEVENNESS = 0.25  # largest error of a slice's place, in slice distance
 SAME_PLACE_MM, HEADER_TOLERANCE = 1e-3, 1e-3  # a header's rounding errors: of places (mm); of directions and sizes
 FEWEST_SLICES = 10  # a series that shows a vessel has this many; scouts and dose reports have fewer
 AIR_AND_FAT_HU = 0.0  # at least a hundredth of the voxels round any heart, air and fat, are darker than this
-AIR_HU = -1024.0  # the lowest CT number that scanners give
+AIR_HU = -1024.0  # the lowest CT number on the usual 12-bit scale; lower values are padding
 FRAMES_HINT = "right-anterior-superior for NIfTI, left-posterior-superior for DICOM: x and y change sign between them"
 MM_PER_UNIT = {"meter": 1000.0, "mm": 1.0, "micron": 0.001, "unknown": 1.0}
 

@@ -6,7 +6,7 @@ from . import landing, targets
 from .profile import CAP_MARGIN_MM
 
 WIDE_BRANCH_MM = 2.0  # diameter from which a side branch under a stent is usually treated too
-TOLERANCE_MM = 0.05  # a margin short by this little gives no remark; an end this near to a limit counts as at it
+TOLERANCE_MM = 0.05  # a margin short by less gives no remark; an end nearer to a limit lies on it
 LANDING_PERCENT = 15  # a stent's end in a lumen farther off the reference, by diameter, gives a remark
 # A device of a listed plan this many times as wide as the healthy vessel round it gives a remark. In practice
 # balloons are at most about 1.2 times as wide.

@@ -45,7 +45,10 @@ def _tangents(points):
 
 
 def _least_rotations(before, after):
-    """Rotations (n, 3, 3) by the least angle from unit vectors `before` (n, 3) to `after` (Rodrigues' formula)."""
+    """Rotations (n, 3, 3) by the least angle from unit vectors `before` (n, 3) to `after` (Rodrigues' formula).
+
+    For vectors more than 172 degrees apart the matrix is no exact rotation.
+    """
     cross, cosine = np.cross(before, after), np.einsum("ij,ij->i", before, after)
     skew = np.zeros((len(before), 3, 3))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):

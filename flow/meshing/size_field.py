@@ -25,7 +25,7 @@ class SizeField:
         return self.size[index]
 
     def grid(self, points, spacing):
-        """Cell sizes on a regular grid over the bounding box of points (n, 3), for gmsh. Lengths are in mm.
+        """Cell sizes on a regular grid for gmsh, over the bounding box of points (n, 3) widened by two spacings.
 
         Returns (origin (3,), spacing, shape (3,), values): shape are the numbers of nodes, values (nodes,) has z
         running fastest.

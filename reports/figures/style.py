@@ -68,7 +68,8 @@ def save_figure(figure, folder, name):
         with replacing(path) as partial:
             figure.savefig(partial, format=path.suffix[1:], metadata=metadata)
             if path.suffix == ".svg":
-                partial.write_text(_with_numbered_clip_paths(partial.read_text(encoding="utf-8"), name), encoding="utf-8")
+                text = _with_numbered_clip_paths(partial.read_text(encoding="utf-8"), name)
+                partial.write_text(text, encoding="utf-8")
     plt.close(figure)
     return paths
 

@@ -94,7 +94,7 @@ def state_profiles(files, state, segment, line, pre_sections, relative):
     """The StateProfiles of one state at the relative positions (n,) of its segment.
 
     line: this state's centreline. pre_sections: the sections before the procedure, which give the vessel's diameter.
-    Raises InputError or ComputationError (see map_segment).
+    Raises InputError for a bad file, and ComputationError as map_segment does.
     """
     end_diameters = diameters_at(pre_sections, [segment.s_start_mm, segment.s_end_mm])
     state_segment = map_segment(segment, line, end_diameters, may_end_within=state == POST)

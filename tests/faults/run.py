@@ -113,7 +113,7 @@ def main():
 
 
 def run_faults(options, top, table):
-    """Does the faults that the options name, in folders below `top`, and writes the table after each."""
+    """Causes each fault that the options name, in folders below `top`, and writes the table after each."""
     rows = [row for row in read_table(table) if row["name"] not in options.only]
     undisturbed = Study(top / "undisturbed")
     begin = time.monotonic()

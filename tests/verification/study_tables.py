@@ -161,6 +161,7 @@ def plans(results):
         table.append([*line, f"{found:.4f}", f"{solution['error_estimate']['ffr']:.4f}"])
     if not table:
         return None
+    table.sort(key=lambda line: (line[0], int(line[1])))
     headings = ["patient", "rank", "plan", "procedure", "FFR as planned", "FFR, network", "its error"]
     return markdown([*headings, "FFR, 3D", "its estimate"], table)
 

@@ -11,7 +11,7 @@ struct Lumen {
   std::vector<double> radius;           ///< local lumen radius at each point, mm
   std::vector<double> plaque;           ///< plaque thickness, mm
   std::vector<int> plaque_type;         ///< 0 none, 1 fibrous, 2 lipid, 3 calcified
-  std::vector<double> reference_radius; ///< radius without disease, mm; empty where it is not known
+  std::vector<double> reference_radius; ///< radius without disease, mm; empty if it is not given
   std::vector<int> branch;              ///< branch of each triangle; empty: all belong to one branch
 };
 

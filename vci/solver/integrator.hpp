@@ -13,7 +13,7 @@ struct IntegratorSettings {
   double initial_step = 0.3;           ///< ms, first step of a stage
   double maximal_step = 200.0;         ///< ms
   int maximal_steps = 1500;            ///< largest number of steps in a stage
-  int stalled_steps = 300; ///< a stage gives up when its residual has not fallen by a tenth for this many steps
+  int stalled_steps = 300; ///< a stage gives up after so many steps without progress; care restarts the count once
   PcgSettings pcg{0.2, 300, 24, true};
   double damping = 2.5;           ///< c, MPa ms/mm: damping force per area and velocity
   double stiffness_damping = 0.0; ///< b, ms: damping matrix over stiffness matrix
