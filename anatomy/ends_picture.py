@@ -5,8 +5,7 @@ from matplotlib import pyplot as plt
 from matplotlib.collections import PolyCollection
 
 from common import vtp
-from common.documents import json_reader
-from common.errors import InputError
+from common.documents import json_reader, schema
 
 from . import picture_file
 
@@ -42,10 +41,9 @@ def _read_candidates(path):
     if path is None:
         return [], []
     remedy = "give the file of `lumen check --ends`"
-    document = json_reader.read(path, "ends", remedy).data
-    if not isinstance(document.get("candidates"), list):
-        raise InputError("not a list of ends", f"{path}, key candidates", "no list", remedy)
-    return document["candidates"], document.get("trees", [])
+    document = json_reader.read(path, "ends", remedy)
+    schema.validate(document, schema.read("end_candidates"), "a list of ends", remedy)
+    return document.data["candidates"], document.data.get("trees", [])
 
 
 def _draw(axes, corners, candidates, trees, turn_deg):

@@ -3,7 +3,7 @@
 import csv
 import pathlib
 
-from common.documents import json_reader
+from common.documents import json_reader, schema
 from common.errors import InputError
 
 _NUMBERS = (
@@ -14,11 +14,9 @@ _NUMBERS = (
 
 def read_summary(folder):
     """anatomy.json of a folder made by `lumen process`, as a dict. Raises InputError if there is no such document."""
-    path = pathlib.Path(folder) / "anatomy.json"
-    summary = json_reader.read(path, "anatomy.json", "write it by `lumen process`").data
-    if summary.get("schema") != "vci-anatomy-1":
-        raise InputError("not an anatomy summary", path, "no schema vci-anatomy-1", "run `lumen process` again")
-    return summary
+    document = json_reader.read(pathlib.Path(folder) / "anatomy.json", "anatomy.json", "write it by `lumen process`")
+    schema.validate(document, schema.read("anatomy_summary"), "an anatomy summary", "run `lumen process` again")
+    return document.data
 
 
 def read_sections(folder):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from common.documents import json_reader
+from common.documents import json_reader, schema
 from common.errors import InputError
 from common.implicit.curves import Curve
 
@@ -67,58 +67,28 @@ def _true_lesion_values(branch, lesion):
 
 
 REGENERATE_REMEDY = "run data_synthetic generate again"
-# Number of dimensions of each array of samples: 1 for (n,), 2 for (n, 3).
-SAMPLE_DIMENSIONS = {"s_mm": 1, "points_mm": 2, "radius_mm": 1, "healthy_radius_mm": 1, "shift_mm": 2}
+SAMPLED = ("points_mm", "radius_mm", "healthy_radius_mm", "shift_mm")  # lists with an entry for each one of s_mm
 
 
-def check(document, path):
-    """Raises InputError, naming the key, if a part of the document (dict) is missing or impossible for a vessel."""
-    for key in ("branches", "wall_thickness_mm"):
-        if key not in document:
-            raise InputError("incomplete truth file", f"{path}: {key}", "missing", REGENERATE_REMEDY)
-    wall = document["wall_thickness_mm"]
-    if not isinstance(wall, (int, float)) or not 0 < wall < np.inf:
-        raise InputError(
-            "not a thickness", f"{path}: wall_thickness_mm", wall, f"a positive number; {REGENERATE_REMEDY}"
-        )
-    if not isinstance(document["branches"], list) or not document["branches"]:
-        raise InputError("no branches in the truth file", f"{path}: branches", document["branches"], REGENERATE_REMEDY)
-    for number, entry in enumerate(document["branches"], start=1):
-        _check_branch(entry, f"{path}: branches[{number}]")
-
-
-def _check_branch(entry, where):
-    for key in ("name", "parent", "s_on_parent_mm", "lesions", *SAMPLE_DIMENSIONS):
-        if not isinstance(entry, dict) or key not in entry:
-            raise InputError("incomplete truth file", f"{where}.{key}", "missing", REGENERATE_REMEDY)
-    count = len(entry["s_mm"]) if isinstance(entry["s_mm"], list) else 0
-    for key, dimensions in SAMPLE_DIMENSIONS.items():
-        try:
-            values = np.array(entry[key], float)
-        except (TypeError, ValueError):
-            values = np.zeros(0)
-        if values.shape != ((count,), (count, 3))[dimensions - 1] or count < 2 or not np.isfinite(values).all():
-            wanted = f"{count} finite samples, as many as of s_mm"
-            raise InputError(
-                "samples that are none", f"{where}.{key}", f"shape {values.shape}", f"{wanted}; {REGENERATE_REMEDY}"
-            )
-        if key == "s_mm" and np.any(np.diff(values) <= 0):
-            raise InputError(
-                "arc lengths that do not rise", f"{where}.{key}", float(np.diff(values).min()), REGENERATE_REMEDY
-            )
-        if key.endswith("radius_mm") and values.min() <= 0:
-            raise InputError("a radius that is not positive", f"{where}.{key}", float(values.min()), REGENERATE_REMEDY)
+def _check_samples(branch, where):
+    """Raises InputError unless a branch's arc lengths rise, and every other list has as many samples."""
+    least = float(np.diff(branch["s_mm"]).min())
+    if least <= 0:
+        raise InputError("arc lengths that do not rise", f"{where}.s_mm", least, REGENERATE_REMEDY)
+    count = len(branch["s_mm"])
+    for key in SAMPLED:
+        if len(branch[key]) != count:
+            remedy = f"{count} samples, as many as of s_mm; {REGENERATE_REMEDY}"
+            raise InputError("another number of samples", f"{where}.{key}", len(branch[key]), remedy)
 
 
 def load(path):
     """(branches, wall thickness mm) of the truth.json at `path`. Raises InputError if it is not one."""
-    found = json_reader.read(path, "truth.json", "write it by data_synthetic generate").data
-    schema = found.get("schema")
-    if schema != SCHEMA:
-        raise InputError("not a truth file", f"{path}: schema", schema, f"expected {SCHEMA}")
-    check(found, path)
+    found = json_reader.read(path, "truth.json", "write it by data_synthetic generate")
+    schema.validate(found, schema.read("truth"), "a truth file", REGENERATE_REMEDY)
     branches = []
-    for entry in found["branches"]:
+    for number, entry in enumerate(found.data["branches"]):
+        _check_samples(entry, found.where(("branches", number)))
         axis = Curve(entry["points_mm"])
         s = np.array(entry["s_mm"])
 
@@ -138,4 +108,4 @@ def load(path):
                 entry["lesions"],
             )
         )
-    return branches, found["wall_thickness_mm"]
+    return branches, found.data["wall_thickness_mm"]

@@ -3,8 +3,7 @@
 import argparse
 import pathlib
 
-from common.documents import json_reader
-from common.errors import InputError, guarded
+from common.errors import guarded
 from common.files import write_json, write_table
 from whatif.case import Case
 
@@ -23,12 +22,10 @@ def run_plans(options):
 
 
 def run_deploy(options):
-    from whatif.plans import deploy
+    from whatif.plans import deploy, read_steps
 
-    plans = json_reader.read(options.plans, "plans.json of `whatif plans`").data
-    if options.plan not in plans:
-        raise InputError("no such plan", options.plans, options.plan, f"one of {', '.join(plans)}")
-    deploy(case_from_options(options), plans[options.plan], options.devices, options.out)
+    steps = read_steps(options.plans, options.plan)
+    deploy(case_from_options(options), steps, options.devices, options.out)
 
 
 def run_lumens(options):

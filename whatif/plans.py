@@ -10,7 +10,7 @@ from vtk.util.numpy_support import vtk_to_numpy
 from anatomy.lumen_results import read_summary
 from anatomy.planning.plan import procedure
 from common import vtp
-from common.documents import config, json_reader
+from common.documents import config, json_reader, schema
 from common.errors import InputError
 from flow.geometry import centreline, surface
 from flow.meshing.provenance import fingerprint
@@ -98,6 +98,17 @@ def alternative_row(case, calibration, families, steps, folder):
     return {"status": DEPLOYED} | deployment_columns(
         case, calibration, deployment, folder / "lumen.vtp", anatomy, steps
     )
+
+
+def read_steps(path, name):
+    """The steps of the plan `name` in plans.json at `path`, which `whatif plans` writes. Raises InputError."""
+    remedy = "give plans.json of `whatif plans`"
+    plans = json_reader.read(path, "plans.json", remedy)
+    schema.validate(plans, schema.read("plans"), "a file of plans", remedy)
+    if name not in plans.data:
+        raise InputError("no such plan", path, name, f"one of {', '.join(plans.data)}")
+    config.check_steps(plans, name)
+    return plans.data[name]
 
 
 def deploy(case, steps, devices_folder, folder):

@@ -8,8 +8,7 @@ import pathlib
 
 from common.errors import ComputationError
 from common.files import replacing
-from common.documents.json_reader import read
-from workflow.manifest import SCHEMA, build_manifest
+from workflow.manifest import build_manifest, read_manifest
 
 RELATIVE_TOLERANCE = {
     "mean_area_mm2": 0.01,
@@ -31,7 +30,7 @@ def write_agreement(manifest, study, out):
     InputError if a file cannot be read. Raises ComputationError, after writing the page, if a number differs by more
     than is allowed.
     """
-    expected, found = read(manifest, SCHEMA).data, build_manifest(study)
+    expected, found = read_manifest(manifest), build_manifest(study)
     cohort = pathlib.Path(manifest).stem
     rows = compare_numbers(expected, found)
     with replacing(out) as partial:

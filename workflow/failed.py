@@ -2,7 +2,7 @@
 
 import pathlib
 
-from common.documents import json_reader
+from common.documents import json_reader, schema
 from common.errors import InputError, error_message
 from common.files import write_json
 from workflow.half_maximum import ARM_NAME as ARM
@@ -64,11 +64,9 @@ def cases_of_failed_arms(path):
 def _read_steps(path):
     """[(case, step)] of a failed.json. Raises InputError for another file."""
     remedy = "--config failed= takes the file of `workflow failed`"
-    document = json_reader.read(path, "failed.json", remedy).data
-    try:
-        return [(step["case"], step["step"]) for step in document["failed"]]
-    except (KeyError, TypeError) as error:
-        raise InputError("not a list of failed steps", f"{path}, key failed", error, remedy) from error
+    document = json_reader.read(path, "failed.json", remedy)
+    schema.validate(document, schema.read("failed"), "a list of failed steps", remedy)
+    return [(step["case"], step["step"]) for step in document.data["failed"]]
 
 
 def _is_arm_step(step):

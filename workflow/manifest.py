@@ -10,9 +10,10 @@ import json
 import pathlib
 import re
 
+from common.documents import schema
+from common.documents.json_reader import read
 from common.errors import ComputationError
 from common.files import sha256, write_json
-from common.documents.json_reader import read
 from workflow.provenance import product_files
 
 SCHEMA = "vci-manifest-1"
@@ -57,6 +58,14 @@ def build_manifest(study):
     }
 
 
+def read_manifest(path):
+    """The document of the manifest at `path`. Raises InputError if it is none."""
+    remedy = "give a manifest of config/manifests, or one of `workflow manifest`"
+    document = read(path, SCHEMA, remedy)
+    schema.validate(document, schema.read("manifest"), "a manifest", remedy)
+    return document.data
+
+
 def differences(expected, found):
     """(number of comparisons, messages) of two manifests' documents: `expected` ships, `found` is of this study.
 
@@ -78,7 +87,7 @@ def verify(manifest, study):
 
     Raises ComputationError, which lists the differences, or InputError for a file that cannot be read.
     """
-    expected, found = read(manifest, SCHEMA).data, build_manifest(study)
+    expected, found = read_manifest(manifest), build_manifest(study)
     compared, messages = differences(expected, found)
     if messages:
         shipped, present = expected["made_on"], found["made_on"]

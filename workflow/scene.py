@@ -1,6 +1,6 @@
 """scene.json: the plan (what is done) with the section `deployment` (how the virtual deployment computes it)."""
 
-from common.documents import json_reader, plan_reader
+from common.documents import json_reader, plan_reader, schema
 from common.errors import InputError
 from common.files import write_json
 
@@ -16,8 +16,7 @@ def write_scene(plan_file, settings_file, out):
     """
     if out.resolve().parent != plan_file.resolve().parent:
         raise InputError("scene outside the plan's folder", "--out", out, f"write it into {plan_file.parent}")
-    scene, settings = plan_reader.read(plan_file), json_reader.read(settings_file, "deployment.json", REMEDY).data
-    for key in SCENE_SECTIONS:
-        if key not in settings:
-            raise InputError("settings of another section", f"{settings_file}, key {key}", "missing", REMEDY)
-    write_json(out, {**scene, **{key: settings[key] for key in SCENE_SECTIONS}})
+    scene, settings = plan_reader.read(plan_file), json_reader.read(settings_file, "deployment.json", REMEDY)
+    rules = {**schema.read("deployment"), "required": SCENE_SECTIONS}
+    schema.validate(settings, rules, "settings of the deployment", REMEDY)
+    write_json(out, {**scene, **{key: settings.data[key] for key in SCENE_SECTIONS}})

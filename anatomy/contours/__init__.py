@@ -1,1 +1,4 @@
-"""Makes a lumen surface with plaque from intravascular contours (IVUS, OCT)."""
+"""Makes a lumen surface with plaque from intravascular contours (IVUS, OCT).
+
+May import: common.*, anatomy, anatomy.contours.reading.
+"""

@@ -1,1 +1,4 @@
-"""Makes a lumen surface with calcium from a CT angiogram."""
+"""Makes a lumen surface with calcium from a CT angiogram.
+
+May import: common.*, anatomy.ct.rays.
+"""

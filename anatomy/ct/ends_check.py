@@ -3,15 +3,14 @@
 Messages state places in the user's coordinates.
 """
 
-import json
-import pathlib
-
 import numpy as np
 
+from common.documents import json_reader, schema
 from common.errors import InputError
 
 from . import paths, volumes
 
+ENDS_FILE_REMEDY = "give the vessels' end points as JSON (--ends): ends [{name, centre_mm}], the inlet first"
 END_POINTS_REMEDY = "give the end points in mm, in the volume's own coordinates"
 CLOSEST_MM = 1.0  # end points nearer to each other are one end given twice, since no vessel is shorter
 LEAST_BLOOD_HU = 100.0  # blood without contrast has 30 to 60 HU; coronary angiograms have 200 and more
@@ -20,26 +19,17 @@ RAS_TO_LPS = np.array([-1.0, -1.0, 1.0])  # factors from right-anterior-superior
 
 def load_ends(path):
     """[(name, centre (3,))] from a JSON file with `ends: [{name, centre_mm}]`, the inlet first. Raises InputError."""
-    path = pathlib.Path(path)
-    if not path.is_file():
-        raise InputError("no such file", path, "missing", "give the vessels' end points as JSON (--ends)")
-    try:
-        document = json.loads(path.read_text())
-    except ValueError as error:
-        raise InputError("not a JSON file", path, error, "ends [{name, centre_mm}]") from error
-    entries = document.get("ends") if isinstance(document, dict) else None
-    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise InputError("no end points", f"{path}: ends", "none", "ends [{name, centre_mm}], the inlet first")
-    return checked_ends(
-        [(entry.get("name", f"end{k}"), entry.get("centre_mm")) for k, entry in enumerate(entries, 1)], path
-    )
+    document = json_reader.read(path, "ends", ENDS_FILE_REMEDY)
+    schema.validate(document, schema.read("ends"), "end points of vessels", ENDS_FILE_REMEDY)
+    entries = enumerate(document.data["ends"], start=1)
+    return checked_ends([(entry.get("name", f"end{k}"), entry["centre_mm"]) for k, entry in entries], path)
 
 
 def checked_ends(points, where):
-    """Checked end points [(name, centre (3,))] from `points`, a list of (name, point) as the user gave them.
+    """Checked end points [(name, centre (3,))] from `points`, a list of (name, [x, y, z]) as the user gave them.
 
-    where: the file or options that hold them, for messages. Raises InputError for fewer than two end points, a point
-    that is not three finite numbers, a name given twice, or two points nearer than CLOSEST_MM.
+    where: the file or options that hold them, for messages. Raises InputError for fewer than two end points, a
+    coordinate that is not finite, a name given twice, or two points nearer than CLOSEST_MM.
     """
     found = []
     if len(points) < 2:
@@ -47,8 +37,7 @@ def checked_ends(points, where):
         raise InputError("too few end points", f"{where}: ends", len(points), remedy)
     for number, (name, centre) in enumerate(points, start=1):
         key = f"{where}: ends[{number}]"
-        good = isinstance(centre, list) and len(centre) == 3 and all(type(x) in (int, float) for x in centre)
-        if not good or not np.all(np.isfinite(centre)):
+        if not np.all(np.isfinite(centre)):
             raise InputError("not a point", f"{key}.centre_mm", centre, "three numbers, mm")
         name, centre = str(name), np.array(centre, float)
         if name in [other for other, _ in found]:

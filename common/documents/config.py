@@ -60,18 +60,26 @@ def load_case(path):
     if "registration" in document.data and "post" not in document.data:
         remedy = "give `post`, the lumen after the procedure"
         _refuse(document, ("registration",), "there is nothing to register", remedy)
-    for i, step in enumerate(listed_steps(document.data["plan"])):
+    check_steps(document, "plan")
+    return document.data
+
+
+def check_steps(document, key):
+    """Raises InputError for a step that inflates a wrong number of devices, or whose device has no place or two.
+
+    document: a Document of yaml_reader or json_reader, already checked by its schema. key: where it has the plan.
+    """
+    for i, step in enumerate(listed_steps(document.data[key])):
         if step["action"] == "kissing" and len(step["devices"]) != 2:
             remedy = "name two, or call the step a postdilatation"
-            _refuse(document, ("plan", i, "devices"), "kissing inflates two balloons side by side", remedy)
+            _refuse(document, (key, i, "devices"), "kissing inflates two balloons side by side", remedy)
         if step["action"] != "kissing" and len(step["devices"]) != 1:
             remedy = "give each device a step of its own"
-            _refuse(document, ("plan", i, "devices"), "only kissing inflates two devices at once", remedy)
+            _refuse(document, (key, i, "devices"), "only kissing inflates two devices at once", remedy)
         for j, device in enumerate(step["devices"]):
             if ("centre_s_mm" in device) == ("lesion" in device):
                 remedy = "give either centre_s_mm or lesion"
-                _refuse(document, ("plan", i, "devices", j), "a device is placed by one of two keys", remedy)
-    return document.data
+                _refuse(document, (key, i, "devices", j), "a device is placed by one of two keys", remedy)
 
 
 def _check_flow(document):

@@ -6,7 +6,6 @@ Only what these commands use is checked here. The deployment engine checks the r
 from common.documents import json_reader, schema
 from common.errors import InputError
 
-SCHEMA = "vci-scene-1"
 REMEDY = "give a plan.json that `anatomy plan` has written"
 
 
@@ -16,10 +15,8 @@ def read(file):
     Raises InputError if the file cannot be read, is no plan, or uses a device that it does not define.
     """
     document = json_reader.read(file, "plan.json", REMEDY)
+    schema.validate(document, schema.read("reference_scene"), "a plan", REMEDY)
     plan = document.data
-    if plan.get("schema") != SCHEMA:
-        raise InputError("not a plan", document.where(("schema",)), plan.get("schema"), REMEDY)
-    schema.validate(document, schema.read("reference_scene"))
     for i, step in enumerate(plan["procedure"]):
         for j, use in enumerate(step["devices"]):
             if use["device"] not in plan["devices"]:

@@ -51,21 +51,29 @@ def _expand_references(schema, partial):
     return expanded
 
 
-def validate(document, schema):
-    """Raises InputError for the first value of `document` (in file order) that `schema` does not allow."""
+def validate(document, schema, kind="", remedy=""):
+    """Raises InputError for the first value of `document` (in file order) that `schema` does not allow.
+
+    kind: what the document should be, in words; the message then begins with `not {kind}`. remedy: what else the user
+    can do, besides mending the value.
+    """
     validator = jsonschema.Draft202012Validator(schema)
     errors = [_most_specific(error) for error in validator.iter_errors(document.data)]
     if errors:
-        raise _input_error(document, min(errors, key=lambda error: _sort_key(document, error)))
+        error = _input_error(document, min(errors, key=lambda error: _sort_key(document, error)))
+        what = f"not {kind}: {error.what}" if kind else error.what
+        raise InputError(what, error.where, error.value, "; ".join(filter(None, (error.remedy, remedy))))
 
 
 def _sort_key(document, error):
     """Sort key: errors in the file's order. Within a line: a key not allowed there, then an unknown key, then others.
 
-    An unknown key comes before a missing one, because it is often the missing key misspelt.
+    An unknown key comes before a missing one, because it is often the missing key misspelt. A wrong `schema` comes
+    first of all, because the document is of another kind.
     """
     rank = 0 if error.schema == FORBIDDEN_KEY else 1 if error.validator == "additionalProperties" else 2
-    return document.line(error.absolute_path), rank, str(error.message)
+    of_this_kind = list(error.absolute_path) != ["schema"]
+    return of_this_kind, document.line(error.absolute_path), rank, str(error.message)
 
 
 def with_defaults(data, schema):
@@ -146,12 +154,13 @@ def describe(schema):
     elif "anyOf" in schema:
         words.append(" or ".join(describe(branch) for branch in schema["anyOf"]))
     elif "type" in schema:
-        words.append(
-            _TYPES.get(schema["type"], str(schema["type"])) if isinstance(schema["type"], str) else str(schema["type"])
-        )
-    for key, phrase in _LIMITS.items():
-        if key in schema:
-            words.append(phrase.format(schema[key]))
+        types = [schema["type"]] if isinstance(schema["type"], str) else schema["type"]
+        words.append(" or ".join(_TYPES.get(name, name) for name in types))
+    limits = {key: schema[key] for key in _LIMITS if key in schema}
+    if "minItems" in limits and limits["minItems"] == limits.get("maxItems"):
+        words.append(f"of {limits.pop('minItems')} entries")
+        del limits["maxItems"]
+    words += [_LIMITS[key].format(limit) for key, limit in limits.items()]
     if "items" in schema and schema["items"].get("type") in ("number", "integer"):
         words.append("each " + describe(schema["items"]))
     if schema.get("unit", "1") not in ("1", 1):

@@ -1,1 +1,4 @@
-"""Vessel lumens as implicit fields, whose zero level is the wall, and triangle meshes of that wall."""
+"""Vessel lumens as implicit fields, whose zero level is the wall, and triangle meshes of that wall.
+
+May import: common.
+"""

@@ -1,1 +1,4 @@
-"""Facts of a patient that several parts share: types of plaque, blood pressure, the states of a case."""
+"""Facts of a patient that several parts share: types of plaque, blood pressure, the states of a case.
+
+May import: common.
+"""

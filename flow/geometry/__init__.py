@@ -1,1 +1,4 @@
-"""Geometry: the tagged surface, its centrelines, curved quadratic tetrahedra, and field values at points."""
+"""Geometry: the tagged surface, its centrelines, curved quadratic tetrahedra, and field values at points.
+
+May import: common.*.
+"""

@@ -18,15 +18,9 @@ def read(path, *needed):
 def check(data, where, *needed):
     """Raises InputError unless data is a document of the anatomy step that has the keys `needed`."""
     document = json_reader.Document(where, data)
-    if not isinstance(data, dict) or not set(needed) <= set(data):
-        remedy = f"give the anatomy step's document, with {', '.join(needed)}"
-        raise InputError("not a document of the anatomy step", where, str(data)[:80], remedy)
-    try:
-        document.check_finite()
-        schema.validate(document, schema.read("lumen_summary"))
-    except InputError as error:
-        what = f"not a document of the anatomy step: {error.what}"
-        raise InputError(what, error.where, error.value, error.remedy) from None
+    document.check_finite()
+    rules = {**schema.read("lumen_summary"), "required": needed}
+    schema.validate(document, rules, "a document of the anatomy step", "give the anatomy.json of `lumen process`")
     if "branches" in data:
         _check_tree(data["branches"], where)
 

@@ -7,7 +7,7 @@ import numpy as np
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
-from common.documents import json_reader
+from common.documents import json_reader, schema
 from common.errors import InputError
 from flow.geometry import correspondence, locate, tet10
 from flow.physics.units import M_PER_MM
@@ -57,9 +57,9 @@ def read(folder, tree, other):
     if names != others:
         value = f"{', '.join(sorted(others))}; the lumen has {', '.join(sorted(names))}"
         raise InputError("the state to start from has other branches", "--start", value, "leave --start out")
-    document = json_reader.read(answer, "ffr.json").data
-    if "mesh" not in document:
-        raise InputError("no flow in three dimensions to start from", answer, "no mesh", "solve it with model 3d")
+    document = json_reader.read(answer, "ffr.json")
+    kind = "a flow in three dimensions to start from"
+    schema.validate(document, schema.read("start_flow"), kind, "solve it with model 3d")
     reader = vtk.vtkXMLUnstructuredGridReader()
     reader.SetFileName(str(path))
     reader.Update()
@@ -71,5 +71,5 @@ def read(folder, tree, other):
     points = vtk_to_numpy(grid.GetPoints().GetData()).astype(float)
     fields = [vtk_to_numpy(values[name]).astype(float) for name in values]
     sampler = locate.FieldSampler(locate.Locator(points, cells), *fields)
-    described = [document[key] for key in ("inlet_flow_m3_per_s", "artificial_viscosity", "mesh")]
+    described = [document.data[key] for key in ("inlet_flow_m3_per_s", "artificial_viscosity", "mesh")]
     return StartState(sampler, *described, correspondence.Correspondence(tree, other))

@@ -28,12 +28,9 @@ def read_report(path, mesh, coarse=()):
     where the report lacks it. Raises InputError, also where the report is of another mesh, or a coarse mesh of another
     lumen.
     """
-    report = json_reader.read(path, "mesh.json").data
-    try:
-        schema.validate(json_reader.Document(path, report), schema.read("mesh_report"))
-    except InputError as error:
-        what = f"not a report of the volume mesh: {error.what}"
-        raise InputError(what, error.where, error.value, error.remedy) from None
+    document = json_reader.read(path, "mesh.json")
+    schema.validate(document, schema.read("mesh_report"), "a report of the volume mesh")
+    report = document.data
     stated, found = report["cells"], compat.count_cells(mesh)
     extensions = [extension.Extension(**one) for one in report["extensions"]]
     reasons = {name: part["swept"].get("reason") for name, part in _named_reports(report)}

@@ -1,1 +1,4 @@
-"""Solvers: linear systems, Newton's method and its starting flows, steps in time. They import no reduced model."""
+"""Solvers: linear systems, Newton's method and its starting flows, steps in time.
+
+May import: common.*, flow.geometry, flow.physics, flow.discretisation.
+"""

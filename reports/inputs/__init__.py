@@ -1,4 +1,4 @@
 """Reads a case: its files, numbers, tables, lines and surfaces. Wrong input is refused with a message.
 
-It imports no other folder of the reports.
+May import: common.*.
 """

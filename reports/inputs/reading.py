@@ -8,7 +8,7 @@ import pandas as pd
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from common import vtp
-from common.documents import json_reader
+from common.documents import json_reader, schema
 from common.errors import InputError
 
 
@@ -27,7 +27,11 @@ def read_json(path, made_by):
 
 def read_failed(path):
     """The list `failed` of failed.json, which `workflow failed` makes; empty if no path is given."""
-    return read_json(path, "workflow failed")["failed"] if path else []
+    if not path:
+        return []
+    document = json_reader.Document(path, read_json(path, "workflow failed"))
+    schema.validate(document, schema.read("failed"), "a list of failed steps", "repeat: workflow failed")
+    return document.data["failed"]
 
 
 def entry(document, keys, path):

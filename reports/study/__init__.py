@@ -4,5 +4,7 @@
 `differences` has Diff^A and Diff^C of the source.
 
 The folder also has the statistics of Bland and Altman, the criterion of inclusion, the published agreement and the
-versions of the software. `tables` reads the tables back. The folder imports from inputs and measuring.
+versions of the software. `tables` reads the tables back.
+
+May import: common.*, reports.inputs, reports.measuring.
 """

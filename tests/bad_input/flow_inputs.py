@@ -67,6 +67,22 @@ def _(folder):
     return boundary(folder, change=lambda document: document["ends"][1].update(branch="side4"))
 
 
+@input_case("an anatomy.json to draw without its lesions")
+def _(folder):
+    path = anatomy(folder / "anatomy")
+    document = json.loads(path.read_text())
+    del document["lesions"]
+    path.write_text(json.dumps(document))
+    return module("anatomy", "picture", "--anatomy", folder / "anatomy", "--out", folder / "tree.png")
+
+
+@input_case("an anatomy.json in place of the candidates for ends")
+def _(folder):
+    path = anatomy(folder / "anatomy")
+    drawn = ["--surface", folder / "anatomy" / "lumen.vtp", "--ends", path]
+    return module("anatomy", "ends", *drawn, "--out", folder / "ends.png")
+
+
 @input_case("a patient without a mass")
 def _(folder):
     return boundary(folder, patient=PATIENT[2:])

@@ -127,3 +127,33 @@ def _(folder):
 @input_case("a case to vary whose deployment.json was cut off")
 def _(folder):
     return varied(folder, '{"schema": "vci-deployment-1", ')
+
+
+BALLOON = {"device": "semi_compliant", "diameter_mm": 2.5, "length_mm": 12, "centre_s_mm": 19.8, "pressure_bar": 8}
+
+
+def other_plan(folder, action="predilatation", name="longer", **change):
+    """`whatif deploy` of the plan `name`; plans.json has the plan longer, of one step with one balloon."""
+    plans = {"longer": [{"action": action, "devices": [BALLOON | change]}]}
+    path = written(folder / "plans.json", plans)
+    return module("whatif", "deploy", name, "--plans", path, "--case-dir", folder, "--out", folder / "out")
+
+
+@input_case("other plans without the one to deploy")
+def _(folder):
+    return other_plan(folder, name="larger")
+
+
+@input_case("another plan with a pressure in atmospheres, as text")
+def _(folder):
+    return other_plan(folder, pressure_bar="8 atm")
+
+
+@input_case("another plan with one kissing balloon")
+def _(folder):
+    return other_plan(folder, action="kissing")
+
+
+@input_case("a plan in place of a manifest")
+def _(folder):
+    return module("workflow", "verify", "--manifest", written(folder / "plan.json", PLAN), "--results", folder)

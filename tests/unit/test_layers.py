@@ -167,12 +167,30 @@ def foreign_imports(name, text, layers):
 
 
 def layers_of_python():
+    """{folder: what it may import} as layers.yaml has it."""
     return yaml_reader.read(ROOT / "tests/unit/layers.yaml").data
+
+
+def without_stars(layers):
+    """The layers with each FOLDER/* replaced by that folder and all below it, except the importing one itself."""
+
+    def folders(name, own):
+        top = name.removesuffix("/*")
+        return [name] if top == name else [f for f in layers if f"{f}/".startswith(f"{top}/") and f != own]
+
+    return {own: [folder for name in names for folder in folders(name, own)] for own, names in layers.items()}
+
+
+def import_sentence(package, layers):
+    """How the docstring of a package names what it may import: the folders in layers.yaml, with points for slashes."""
+    layer = folder_of(package, layers)
+    names = ([] if layer == package else [layer]) + layers[layer]
+    return f"May import: {', '.join(names).replace('/', '.') or 'no other folder'}."
 
 
 def test_imports_go_one_way():
     """No folder of Python modules imports from a folder that layers.yaml does not grant it."""
-    layers = layers_of_python()
+    layers = without_stars(layers_of_python())
     reachable(dict(layers))
     modules = [m for m in tracked("*.py") if m.parts[0] not in ("tests", "setup", "docs")]
     wrong = [f"{m}: its folder is not in layers.yaml" for m in modules if folder_of(m, layers) is None]
@@ -180,6 +198,22 @@ def test_imports_go_one_way():
         if folder_of(module, layers):
             wrong += foreign_imports(module, (ROOT / module).read_text(), layers)
     assert modules and not wrong, "\n".join(wrong)
+
+
+def test_packages_say_what_they_may_import():
+    """The docstring of each package ends with the folders of layers.yaml, after saying what the package holds.
+
+    The docstring of `vci` is left out, since it is the help for those who use the package in their own programs.
+    """
+    layers, wrong = layers_of_python(), []
+    packages = [m.parent for m in tracked("*/__init__.py") if m.parts[0] not in ("tests", "setup", "docs", "vci")]
+    for package in packages:
+        docstring = ast.get_docstring(ast.parse((ROOT / package / "__init__.py").read_text())) or ""
+        sentence = import_sentence(str(package), layers)
+        held, found, rest = " ".join(docstring.split()).partition(sentence)
+        if not (held and found) or rest:
+            wrong.append(f"{package}/__init__.py: its docstring does not end with: {sentence}")
+    assert packages and not wrong, "\n".join(wrong)
 
 
 def test_folders_of_python_are_small():
@@ -203,3 +237,12 @@ def test_an_import_against_the_order_is_found():
     assert foreign_imports(report, "from flow import core\n", layers)
     assert not foreign_imports(report.with_name("__main__.py"), "from flow import sweep\n", layers)
     assert not foreign_imports(core, "from common.errors import InputError\nfrom . import b\nimport numpy\n", layers)
+
+
+def test_a_star_stands_for_a_folder_and_all_below_it():
+    layers = {"common": [], "common/documents": ["common"], "flow/core": ["common/*"], "flow": ["common/*", "flow/*"]}
+    common = ["common", "common/documents"]
+    assert without_stars(layers) == {**layers, "flow/core": common, "flow": [*common, "flow/core"]}
+    assert import_sentence("flow", layers) == "May import: common.*, flow.*."
+    assert import_sentence("flow/core/inner", layers) == "May import: flow.core, common.*."
+    assert import_sentence("common", layers) == "May import: no other folder."

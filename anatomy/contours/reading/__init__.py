@@ -1,4 +1,7 @@
-"""Reads contour tables as frames of outlines, and checks each outline."""
+"""Reads contour tables as frames of outlines, and checks each outline.
+
+May import: common.*.
+"""
 
 # The tables of a pull-back. A case file and the command line name them, the latter with - for _.
 TABLES = ("lumen", "outer_wall", "calcium", "lipid", "branches", "landmarks")

@@ -1,4 +1,6 @@
 """Checks of the reference: against a solid in three dimensions, against CalculiX, and with changed constants.
 
-This folder imports all other folders of the reference; only the command line imports this one.
+Only the command line imports this folder.
+
+May import: common.*, data_synthetic.reference.*.
 """

@@ -1,4 +1,5 @@
 """Cross-sections in plane strain: mesh, model, positions, solution, and error estimate.
 
-The modules import from the folders solid, treatment and surface.
+May import: common.*, data_synthetic.reference.solid, data_synthetic.reference.treatment,
+data_synthetic.reference.surface.
 """

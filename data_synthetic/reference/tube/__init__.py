@@ -1,4 +1,7 @@
 """The branch as one solid in three dimensions: mesh, model, procedure.
 
-It imports the folders `solid` and `treatment`, and `slices.slice_positions()`. Only the folder `checks` imports it.
+Only the folder `checks` imports this one.
+
+May import: common.*, data_synthetic.reference.solid, data_synthetic.reference.treatment,
+data_synthetic.reference.slices.
 """

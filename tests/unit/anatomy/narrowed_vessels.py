@@ -37,14 +37,19 @@ def measured_vessel(*narrowings, length=50.0, healthy=lambda s: 3.3 - 0.02 * s, 
     for number, lesion in enumerate(lesions, 1):
         lesion["name"] = f"lesion{number}"
     branches = [{"name": "main", "parent": None, "length_mm": length, "s_on_parent_mm": 0.0}]
-    sections, ends = {"main": rows("main", s, diameter, reference)}, []
+    sections, ends = {"main": rows("main", s, diameter, reference)}, [_end("inlet", "inlet", "main", 0.0, healthy(0.0))]
     for number, (at, wide) in enumerate(sides or ((20.0, 0.9),), 1):
         name = f"side{number}"
         branches.append({"name": name, "parent": "main", "length_mm": 9.0, "s_on_parent_mm": at})
-        ends.append({"kind": "outlet", "name": f"outlet{number}", "branch": name, "diameter_mm": wide})
+        ends.append(_end("outlet", f"outlet{number}", name, at, wide))
         along = np.arange(1.5, 9.0, SPACING_MM)
         sections[name] = rows(name, along, 0 * along + wide, 0 * along + wide, 9.0)
     return {"schema": "vci-anatomy-1", "lesions": lesions, "branches": branches, "ends": ends}, sections
+
+
+def _end(kind, name, branch, at, wide):
+    place = {"centre_mm": [at, 0.0, 0.0], "normal": [-1.0, 0.0, 0.0]}
+    return {"kind": kind, "name": name, "branch": branch, "diameter_mm": wide} | place
 
 
 def rows(branch, s, diameter, reference, length=None):

@@ -25,7 +25,7 @@ def diseased(tmp_path):
         for turn in np.linspace(0, 2 * np.pi, 12, endpoint=False):
             points.append((row["s_mm"], radius * np.cos(turn), radius * np.sin(turn)))
             plaque.append((1.5 - radius) * (1 + np.cos(turn)))  # eccentric
-    del sections["side1"], summary["branches"][1], summary["ends"][0]
+    del sections["side1"], summary["branches"][1], summary["ends"][1]
     poly, cells, at = vtk.vtkPolyData(), vtk.vtkCellArray(), vtk.vtkPoints()
     at.SetData(numpy_to_vtk(np.array(points), deep=True))
     for k in range(len(points) - 12):

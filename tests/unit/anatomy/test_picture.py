@@ -29,16 +29,21 @@ def folder(tmp_path):
             rows.append(f"side1,1,{s},{10 + s},{2 - s},1,0,-1,0,2,1.6,1.5,1.7,0.8,1.6,0,0,ok")
     (tmp_path / "sections.csv").write_text("\n".join(rows) + "\n")
     lesion = {
+        "name": "lesion1",
         "branch": "main",
         "s_start_mm": 9.5,
         "s_mla_mm": 10.5,
         "s_end_mm": 11.5,
+        "mld_mm": 1.8,
         "diameter_stenosis_percent": 40,
         "proximal_reference_diameter_mm": 3.0,
         "distal_reference_diameter_mm": 3.0,
     }
-    ends = [{"name": "inlet", "kind": "inlet", "centre_mm": [0, 0, 0], "diameter_mm": 3.0}]
-    (tmp_path / "anatomy.json").write_text(json.dumps({"schema": "vci-anatomy-1", "lesions": [lesion], "ends": ends}))
+    inlet = {"name": "inlet", "kind": "inlet", "branch": "main", "centre_mm": [0, 0, 0], "normal": [-1, 0, 0]}
+    main = {"name": "main", "parent": None, "s_on_parent_mm": 0.0, "length_mm": 20.0}
+    side = {"name": "side1", "parent": "main", "s_on_parent_mm": 10.0, "length_mm": 6.0}
+    summary = {"schema": "vci-anatomy-1", "ends": [{**inlet, "diameter_mm": 3.0}], "branches": [main, side]}
+    (tmp_path / "anatomy.json").write_text(json.dumps({**summary, "lesions": [lesion]}))
     return tmp_path
 
 

@@ -78,6 +78,34 @@ def test_refused_in_plain_words(data, words):
         assert word in text, text
 
 
+def test_the_kind_of_document_is_named_first_and_the_remedy_last():
+    rules = {"required": ["schema", "names"], "properties": {"schema": {"const": "a-1"}, "names": {"type": "array"}}}
+    schema.validate(document({"schema": "a-1", "names": []}), rules, "a list of names", "write it anew")
+    for data, what, remedy in (
+        ({"schema": "b-1"}, "value is not allowed", "allowed: a-1; write it anew"),
+        ({"names": 3}, "key is missing", "add schema: a-1; write it anew"),
+    ):
+        with pytest.raises(InputError) as caught:
+            schema.validate(document(data), rules, "a list of names", "write it anew")
+        assert (caught.value.what, caught.value.remedy) == (f"not a list of names: {what}", remedy)
+
+
+@pytest.mark.parametrize(
+    "rules, words",
+    [
+        (
+            {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}},
+            "a list of 3 entries each a number",
+        ),
+        ({"type": "array", "minItems": 1, "maxItems": 3}, "a list with at least 1 entries with at most 3 entries"),
+        ({"type": ["string", "null"]}, "text or null"),
+        ({"type": "integer", "minimum": 0}, "a whole number at least 0"),
+    ],
+)
+def test_allowed_values_in_words(rules, words):
+    assert schema.describe(rules) == words
+
+
 def test_partial_tree_requires_nothing_and_fills_in_nothing():
     settings = schema.read("case")["properties"]["settings"]
     assert schema.with_defaults({"flow": {}}, settings) == {"flow": {}}

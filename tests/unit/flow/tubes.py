@@ -173,19 +173,8 @@ def write_case(folder, surface, branches, parents=None, lesions=(), areas=None):
         area = areas.get(branch.name, np.pi * branch.radius_mm**2)
         tables.append(pd.DataFrame({"branch": branch.name, "branch_id": branch.branch_id, "s_mm": s, "area_mm2": area}))
     pd.concat(tables).to_csv(folder / "sections.csv", index=False)
-    ends = [{"name": "inlet", "region_id": 1, "kind": "inlet", "branch": "main", "diameter_mm": 0.0}]
-    ends[0]["diameter_mm"] = 2 * float(branches[0].radius_mm[0])
-    for k, branch in enumerate(branches):
-        diameter = 2 * float(branch.radius_mm[-1])
-        ends.append(
-            {
-                "name": f"outlet{k + 1}",
-                "region_id": k + 2,
-                "kind": "outlet",
-                "branch": branch.name,
-                "diameter_mm": diameter,
-            }
-        )
+    ends = [_end_entry("inlet", "inlet", 1, branches[0], 0, 1)]
+    ends += [_end_entry(f"outlet{k + 1}", "outlet", k + 2, branch, -1, -2) for k, branch in enumerate(branches)]
     tree = []
     for branch in branches:
         parent, where = parents.get(branch.name, (None, None))
@@ -200,6 +189,20 @@ def write_case(folder, surface, branches, parents=None, lesions=(), areas=None):
         )
     document = {"schema": "vci-anatomy-1", "ends": ends, "branches": tree, "lesions": list(lesions)}
     (folder / "anatomy.json").write_text(json.dumps(document))
+
+
+def _end_entry(name, kind, region_id, branch, at, inside):
+    """Entry of anatomy.json for the end at the index `at` of a branch's points; `inside`: index of the next point."""
+    outwards = branch.points[at] - branch.points[inside]
+    return {
+        "name": name,
+        "region_id": region_id,
+        "kind": kind,
+        "branch": branch.name,
+        "centre_mm": branch.points[at].tolist(),
+        "normal": (outwards / np.linalg.norm(outwards)).tolist(),
+        "diameter_mm": 2 * float(branch.radius_mm[at]),
+    }
 
 
 NO_EXTENSIONS = {"outlet_clearance_diameters": 0, "inlet_clearance_diameters": 0}  # settings: ends are not extended

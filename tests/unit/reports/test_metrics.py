@@ -9,6 +9,7 @@ from common.errors import ComputationError, InputError
 from flow.solvers import solved_mesh
 from reports.measuring import profiles
 from reports.inputs.case_files import CaseFiles
+from reports.inputs.reading import read_failed
 from reports.measuring.metrics import case_metrics
 
 
@@ -110,6 +111,13 @@ def test_end_sections_are_left_out_in_all_states_alike(make_case):
     assert document["stations"]["used"] == 76  # relative positions up to (26.5 - 10) / 22 = 0.75
     for entry in document["states"].values():
         assert len(entry["area"]["profile_mm2"]) == 76 and entry["s_mm"][-1] == pytest.approx(26.5)
+
+
+def test_refuses_a_list_of_failed_steps_that_is_none(tmp_path):
+    assert read_failed(None) == []
+    (tmp_path / "failed.json").write_text('{"failed": [{"case": "a", "step": "plan"}]}')
+    with pytest.raises(InputError, match=r"(?s)not a list of failed steps.*failed\[1\]: key exit_code is missing"):
+        read_failed(tmp_path / "failed.json")
 
 
 def test_refuses_a_segment_without_enough_sections(make_case):

@@ -17,7 +17,7 @@ def manifest(system, packages):
     same = {"anatomy": {"lumen.vtp": "a", "anatomy.json": "b"}}
     return {
         "schema": "vci-manifest-1",
-        "made_on": {"system": system, "packages": packages},
+        "made_on": {"system": system, "processor": "any", "environment": {}, "packages": packages},
         "cases": {"one": {"same": same, "numbers": states}},
     }
 

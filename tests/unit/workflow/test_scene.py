@@ -37,6 +37,6 @@ def test_scene_is_the_plan_with_wall_and_numerics(files, tmp_path):
 @pytest.mark.parametrize("key", ["wall", "numerics"])
 def test_settings_of_another_section_are_refused(files, tmp_path, key):
     files[1].write_text(json.dumps({name: value for name, value in SETTINGS.items() if name != key}))
-    with pytest.raises(InputError, match=f"(?s)settings of another section.*key {key}"):
+    with pytest.raises(InputError, match=f"(?s)not settings of the deployment.*key {key} is missing"):
         write_scene(*files, tmp_path / "scene.json")
     assert not (tmp_path / "scene.json").exists()

@@ -73,7 +73,7 @@ def test_files_that_are_no_state_of_the_vessel_are_refused(states, tmp_path, cap
     for start, line, said in (
         (tmp_path / "none", other / "centreline.vtp", "no such file"),
         (tmp_path / "flow", lone / "centreline.vtp", "the state to start from has other branches"),
-        (tmp_path / "reduced", other / "centreline.vtp", "no flow in three dimensions to start from"),
+        (tmp_path / "reduced", other / "centreline.vtp", "not a flow in three dimensions to start from"),
     ):
         with pytest.raises(SystemExit) as ended:
             _solve(folder, "--start", start, line, out="refused")

@@ -243,7 +243,7 @@ def _changed(place, value):
         (("probes",), None, ["probes is missing"]),
         (("probes", 0, "name"), "first", ["first probe is not `distal`", "boundary.json: probes", "first"]),
         (("probes", 0, "point_mm"), [1.0, math.nan, 0.0], ["probes[1].point_mm[2]", "not finite"]),
-        (("probes", 0, "point_mm"), [1.0, 0.0], ["probes[1].point_mm", "at least 3 entries"]),
+        (("probes", 0, "point_mm"), [1.0, 0.0], ["probes[1].point_mm", "a list of 3 entries"]),
         (("venous_pressure_pa",), math.nan, ["venous_pressure_pa", "not finite"]),
         (("warnings",), "none", ["warnings", "a list"]),
         (("viscosity",), {"model": "carreau_yasuda"}, ["viscosity", "zero_shear_pa_s is missing"]),

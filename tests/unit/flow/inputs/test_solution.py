@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 
+from common.errors import InputError
 from flow import output
 from flow.geometry import tet10
 from flow.geometry.centreline import Branch, Tree
@@ -34,6 +35,15 @@ def folder(tmp_path):
     document = {"mesh": "mesh.msh", "inlet_flow_m3_per_s": INFLOW, "artificial_viscosity": EPS}
     (tmp_path / "ffr.json").write_text(json.dumps(document))
     return tmp_path
+
+
+@pytest.mark.parametrize("key", ["mesh", "inlet_flow_m3_per_s", "artificial_viscosity"])
+def test_an_answer_without_a_flow_in_three_dimensions_is_refused(folder, key):
+    document = json.loads((folder / "ffr.json").read_text())
+    del document[key]
+    (folder / "ffr.json").write_text(json.dumps(document))
+    with pytest.raises(InputError, match=f"(?s)not a flow in three dimensions.*key {key} is missing.*model 3d"):
+        solution.read(folder, Tree([]), Tree([]))
 
 
 def test_in_the_same_lumen_the_guess_is_the_flow_itself(folder):
