@@ -38,7 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   vci::tests::expect_answer(bytes + 1, size - 1, [suffix](const std::filesystem::path& file) {
     const Named named(file, suffix);
     std::vector<anatomy::Repair> repairs;
-    anatomy::read_surface(named.path(), "mm", {}, repairs);
+    anatomy::read_surface(named.path(), anatomy::LengthUnit::mm, {}, repairs);
   });
   return 0;
 }

@@ -15,7 +15,7 @@ constexpr double least_reported_move = 1e-3; // mm; a smaller move of the caps i
 // A larger move of a cap (in its radii) gives a warning. A move of 0.1 is a tilt of 6 degrees, which changes the area
 // by half a per cent.
 constexpr double most_unwarned_move = 0.1;
-constexpr double smallest_angle = 30; // a smaller corner of a triangle (degrees) gives a warning
+constexpr double least_good_angle = 30; // a smaller angle of a triangle (degrees) gives a warning
 // If the wall's rms scatter reaches this (in mean edge lengths), ends may be missed. Flat ends are found until noise
 // tilts the triangles by about 12 degrees.
 constexpr double rough_scatter = 0.15;
@@ -57,12 +57,12 @@ void check_no_handle(Mesh& mesh, long most_handles) {
 
 void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool all_named, std::vector<Repair>& repairs) {
   for (const RoundedEnd& end : rounded_ends(mesh, ends, least_stub_prominence, true)) {
-    if (end.widest_ball < narrowest_stub || end.prominence < end.widest_ball)
+    if (end.widest_sphere < narrowest_stub || end.prominence < end.widest_sphere)
       continue;
     char value[160];
-    std::snprintf(value, sizeof value, "diameter %.2f mm, closed, stands out by %.2f mm", 2 * end.widest_ball,
+    std::snprintf(value, sizeof value, "diameter %.2f mm, closed, stands out by %.2f mm", 2 * end.widest_sphere,
                   end.prominence);
-    if (!all_named && end.prominence > tube_prominence * end.widest_ball)
+    if (!all_named && end.prominence > tube_prominence * end.widest_sphere)
       throw InputError("a branch of the coronary tree without an end", "at " + point_text(end.position), value,
                        "cut it flat or open it, or cut across it by --cut x,y,z; to leave it closed name every outlet "
                        "by --outlet");
@@ -75,11 +75,11 @@ void check_no_wide_stub(const Mesh& mesh, const std::vector<End>& ends) {
   for (const End& end : ends)
     widest = std::max(widest, end.radius());
   for (const RoundedEnd& stub : rounded_ends(mesh, ends, least_wide_stub, true)) {
-    if (stub.widest_ball <= widest)
+    if (stub.widest_sphere <= widest)
       continue;
     char value[160];
     std::snprintf(value, sizeof value, "%.2f mm wide, stands out by %.2f mm; the widest end has %.2f mm",
-                  2 * stub.widest_ball, stub.prominence, 2 * widest);
+                  2 * stub.widest_sphere, stub.prominence, 2 * widest);
     throw InputError(
         "a closed stub is wider than every end: where does blood enter?", "at " + point_text(stub.position), value,
         "name the inlet by --inlet x,y,z, at the stub's tip or, if the stub is an aneurysm, at the end where blood "
@@ -92,7 +92,7 @@ void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::ve
   const double mean = mean_radius(mesh);
   std::vector<Vec3> warned_tips; // tips that have a warning, from the search for the ends or from this function
   for (const EndCandidate& one : candidates)
-    if (one.kind == "rounded")
+    if (one.kind == CandidateKind::rounded)
       warned_tips.push_back(one.centre);
   for (const Tip& tip : tips_beside_ends(mesh, ends, least_stub_prominence * mean)) {
     const Vec3 at = vec(mesh.point(tip.vertex));
@@ -128,13 +128,13 @@ void report_cap_move(std::vector<Repair>& repairs, const CapMove& move, std::siz
                        move.share > most_unwarned_move});
 }
 
-void warn_of_narrow_corner(std::vector<Repair>& repairs, const Quality& quality) {
-  if (quality.min_angle_deg >= smallest_angle)
+void warn_of_small_angle(std::vector<Repair>& repairs, const Quality& quality) {
+  if (quality.min_angle_deg >= least_good_angle)
     return;
   char detail[160];
   std::snprintf(detail, sizeof detail,
                 "of %.1f degrees at %s: %.0f are wanted. The surface can be used; another --edge may do better",
-                quality.min_angle_deg, point_text(quality.min_angle_at).c_str(), smallest_angle);
+                quality.min_angle_deg, point_text(quality.min_angle_at).c_str(), least_good_angle);
   repairs.push_back({"narrow corner in the new surface", 1, detail, true});
 }
 

@@ -41,7 +41,7 @@ std::vector<Vec3> stub_tips(const Mesh& mesh, const std::vector<End>& ends);
 /// cent, and no section so near to a cap is used.
 void report_cap_move(std::vector<Repair>& repairs, const CapMove& move, std::size_t ends);
 
-/// Warns of a corner below 30 degrees in the new wall, with its place.
-void warn_of_narrow_corner(std::vector<Repair>& repairs, const Quality& quality);
+/// Warns of an angle below 30 degrees in the new wall, with its place.
+void warn_of_small_angle(std::vector<Repair>& repairs, const Quality& quality);
 
 } // namespace anatomy

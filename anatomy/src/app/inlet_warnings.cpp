@@ -88,7 +88,7 @@ std::pair<double, double> greatest_turn(const Branch& branch, double s, double l
   for (double at : branch.s)
     if (std::abs(at - s) < length && at > length && at < branch.s.back() - length) {
       const double cosine = direction(branch, at - length, length).dot(direction(branch, at, length));
-      greatest = std::max(greatest, {std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / M_PI, at});
+      greatest = std::max(greatest, {std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / pi, at});
     }
   return greatest;
 }

@@ -17,9 +17,13 @@ namespace {
 
 using namespace anatomy;
 
-// Points (mm) as the command line gives them: three coordinates per point, one point after the other.
-struct GivenPoints {
+const std::string whole_model = "whole"; // the --tree of a model with an aorta that is taken as it is
+
+// What the command line gives before it is converted. Points (mm) are three coordinates each, one point after the
+// other.
+struct Given {
   std::vector<double> inlet, outlets, cuts, ostium;
+  std::string units = text_of(LengthUnit::mm), tree;
 };
 
 std::vector<Vec3> given_points(const std::vector<double>& coordinates, const std::string& option) {
@@ -34,12 +38,12 @@ std::vector<Vec3> given_points(const std::vector<double>& coordinates, const std
   return points;
 }
 
-void add_input(CLI::App& command, Options& options, GivenPoints& given) {
+void add_input(CLI::App& command, Options& options, Given& given) {
   command
       .add_option("surface", options.input,
                   "lumen surface (.stl, .vtp, .ply, .obj) or labelled mask (.nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd)")
       ->required();
-  command.add_option("--units", options.units, "length unit of the file: mm, cm or m")->capture_default_str();
+  command.add_option("--units", given.units, "length unit of the file: mm, cm or m")->capture_default_str();
   command
       .add_option("--label", options.labels,
                   "the lumen's label in a mask, or the labels of all its branches, as 1,2; default: the only one")
@@ -51,11 +55,12 @@ void add_input(CLI::App& command, Options& options, GivenPoints& given) {
       "--cap", options.caps,
       "file with the triangles of one end; repeat for each: the inlet's, then the outlets', main's first");
   command
-      .add_option("--tree", options.tree,
+      .add_option("--tree", given.tree,
                   "the coronary tree of a model with an aorta: left, right, tree1, ...; whole: take it as it is")
       ->check([](const std::string& name) {
-        static const std::regex known("left|right|whole|tree[1-9][0-9]*");
-        return std::string(std::regex_match(name, known) ? "" : "give left, right, tree1, tree2, ... or whole");
+        static const std::regex known("left|right|tree[1-9][0-9]*");
+        return std::string(
+            name == whole_model || std::regex_match(name, known) ? "" : "give left, right, tree1, tree2, ... or whole");
       });
   command.add_option("--ostium", given.ostium, "where that tree leaves the aorta, x,y,z in mm")
       ->delimiter(',')
@@ -157,7 +162,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   Options options;
   std::string out;
-  GivenPoints given;
+  Given given;
 
   auto* process_command =
       app.add_subcommand("process", "surface to lumen.vtp, centreline.vtp, sections.csv, anatomy.json");
@@ -194,6 +199,9 @@ int main(int argc, char** argv) {
       options.ostium = given_points(given.ostium, "--ostium").front();
     options.outlets = given_points(given.outlets, "--outlet");
     options.cuts = given_points(given.cuts, "--cut");
+    options.unit = length_unit_of(given.units);
+    options.whole = given.tree == whole_model;
+    options.tree = options.whole ? "" : given.tree;
     if (check_command->parsed()) {
       check(options, repaired, ends);
     } else if (remesh_command->parsed()) {

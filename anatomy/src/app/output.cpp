@@ -12,6 +12,19 @@ nlohmann::ordered_json json_vector(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
+// A section's flag as sections.csv has it.
+const char* text_of(SectionFlag flag) {
+  switch (flag) {
+  case SectionFlag::ok:
+    return "ok";
+  case SectionFlag::ostium:
+    return "ostium";
+  case SectionFlag::end:
+    break;
+  }
+  return "end";
+}
+
 std::string sections_csv(const Anatomy& anatomy) {
   std::string text = "branch,branch_id,s_mm,x_mm,y_mm,z_mm,tx,ty,tz,area_mm2,equivalent_diameter_mm,min_diameter_mm,"
                      "max_diameter_mm,inscribed_radius_mm,reference_diameter_mm,curvature_per_mm,torsion_per_mm,flag\n";
@@ -25,7 +38,7 @@ std::string sections_csv(const Anatomy& anatomy) {
                   branch.name.c_str(), branch.id, branch.s[i], x.x(), x.y(), x.z(), t.x(), t.y(), t.z(), section.area,
                   section.equivalent_diameter(), section.min_diameter, section.max_diameter, branch.radius[i],
                   anatomy.profiles[section.branch].diameter(branch.s[i]), branch.curvature[i], branch.torsion[i],
-                  section.flag.c_str());
+                  text_of(section.flag));
     text += line;
   }
   return text;
@@ -96,7 +109,7 @@ double vessel_width_at(const End& end, const std::vector<Branch>& branches) {
 nlohmann::ordered_json summary(const Anatomy& anatomy, const StepTimer& timer) {
   nlohmann::ordered_json out;
   out["schema"] = "vci-anatomy-1";
-  out["source"] = {{"path", anatomy.source_path}, {"sha256", anatomy.source_sha256}, {"units", anatomy.units}};
+  out["source"] = {{"path", anatomy.source_path}, {"sha256", anatomy.source_sha256}, {"units", text_of(anatomy.unit)}};
   out["ends"] = nlohmann::ordered_json::array();
   std::vector<End> ends = anatomy.ends;
   std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.region < b.region; });

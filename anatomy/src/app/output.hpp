@@ -2,6 +2,7 @@
 #pragma once
 #include "app/arrays.hpp"
 #include "core/step_timer.hpp"
+#include "files/length_unit.hpp"
 #include "remesh/remesh.hpp"
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -10,9 +11,10 @@ namespace anatomy {
 
 /// All results of `lumen process`.
 struct Anatomy {
-  std::string source_path, source_sha256, units;
-  double edge = 0; ///< mm, edge length that the user asked for
-  Mesh mesh;       ///< final surface, its faces tagged as docs/design.md says
+  std::string source_path, source_sha256;
+  LengthUnit unit = LengthUnit::mm; ///< of the source
+  double edge = 0;                  ///< mm, edge length that the user asked for
+  Mesh mesh;                        ///< final surface, its faces tagged as docs/design.md says
   std::vector<End> ends;
   std::vector<Branch> branches;
   std::vector<Section> sections;

@@ -107,15 +107,15 @@ void print_warnings(const std::vector<Repair>& repairs, std::size_t from) {
 }
 
 TreeChoice tree_choice_of(const Options& options) {
-  return {options.tree, options.ostium, options.outlets};
+  return {options.tree, options.ostium, options.outlets, options.whole};
 }
 
 ClosedSurface closed_surface(const Options& options, StepTimer& timer) {
   check_options(options);
   ClosedSurface out;
   timer.start("read");
-  const std::vector<GivenCap> caps = read_caps(options.caps, options.units);
-  out.input = read_surface(options.input, options.units, options.labels, out.repairs, options.inlet);
+  const std::vector<GivenCap> caps = read_caps(options.caps, options.unit);
+  out.input = read_surface(options.input, options.unit, options.labels, out.repairs, options.inlet);
   const Soup soup = soup_of(out.input);
   timer.start("repair");
   out.mesh =
@@ -142,7 +142,7 @@ ClosedSurface closed_surface(const Options& options, StepTimer& timer) {
   out.named.openings = tags_of_openings(out.mesh, soup);
   out.named.tagged = !caps.empty() || !soup.region.empty();
   if (options.like.empty()) // the surface of an earlier state has no aorta: it is cut off already
-    out.aorta = find_aorta_to_cut(out.mesh, tree_choice_of(options), options.units, out.repairs);
+    out.aorta = find_aorta_to_cut(out.mesh, tree_choice_of(options), options.unit, out.repairs);
   if (!out.aorta)
     check_no_handle(out.mesh);
   return out;
@@ -184,7 +184,7 @@ PreparedLumen find_lumen_ends(ClosedSurface closed, const CoronaryTree* tree, co
   }
   check_no_handle(out.mesh);
   report_cap_move(out.repairs, flatten_caps(out.mesh), out.ends.size());
-  check_mean_radius(mean_radius(out.mesh), options.units, options.input);
+  check_mean_radius(mean_radius(out.mesh), options.unit, options.input);
   out.unrefined = out.mesh;
   if (is_coarse(out.mesh)) {
     out.mesh = curved_refined(out.mesh);

@@ -13,7 +13,8 @@ namespace anatomy {
 
 /// The options of the command line.
 struct Options {
-  std::string input, units = "mm";
+  std::string input;
+  LengthUnit unit = LengthUnit::mm;
   std::vector<int> labels;       ///< labels of a mask, taken together; empty for its only label
   double edge = 0.4;             ///< mm, edge length of the new surface
   double spacing = 0.25;         ///< mm between cross-sections
@@ -24,6 +25,7 @@ struct Options {
   bool close_others = false;     ///< whether openings without a point or a cap file are closed
   std::string tree;              ///< name of the coronary tree in a model with an aorta, or empty
   std::optional<Vec3> ostium;    ///< mm, where that tree leaves the aorta
+  bool whole = false;            ///< whether such a model is taken as it is, with its aorta
   double extend_inlet = 0, extend_outlets = 0; ///< length of the straight extension, in radii of the end
   std::string like;                            ///< path of the anatomy.json of an earlier state, or empty
 };

@@ -10,7 +10,7 @@
 #include "measure/fused_vessels.hpp"
 #include "measure/section_noise.hpp"
 #include "measure/steep_taper.hpp"
-#include "remesh/local_edge.hpp"
+#include "remesh/grading.hpp"
 #include "trees/naming.hpp"
 #include <array>
 #include <filesystem>
@@ -104,7 +104,7 @@ std::vector<double> extensions(const Options& options, std::size_t ends, std::si
   return radii;
 }
 
-// The mesh whose inscribed balls give the axes, and the paths through these balls.
+// The mesh whose inscribed spheres give the axes, and the paths through these spheres.
 struct AxisMesh {
   Mesh mesh;
   double edge; ///< mm, edge length of the mesh
@@ -130,7 +130,7 @@ AxisMesh find_axis_mesh(const Mesh& coarse, const PreparedLumen& prepared, const
 
 // Makes the edges of the uniform mesh as long as `field` asks. If this fails, for example because a throat closes, the
 // function starts from finer meshes: of half the edge, a quarter, and so on.
-Mesh graded_with_retries(const AxisMesh& axis_mesh, const Mesh& surface, const EdgeField& field) {
+Mesh graded_with_retries(const AxisMesh& axis_mesh, const Mesh& surface, const SizingField& field) {
   for (double edge = axis_mesh.edge;; edge /= 2)
     try {
       if (edge >= field.edge())
@@ -144,9 +144,9 @@ Mesh graded_with_retries(const AxisMesh& axis_mesh, const Mesh& surface, const E
 }
 
 // The final mesh. If `kept`, the given mesh is remeshed only where its edges no longer have the wanted length or its
-// corners are narrow. Both states then share most of their triangles. Otherwise, or if too much of it would change, the
+// angles are small. Both states then share most of their triangles. Otherwise, or if too much of it would change, the
 // mesh is made anew.
-Mesh graded_mesh(const AxisMesh& axis_mesh, bool kept, const Mesh& surface, const EdgeField& field) {
+Mesh graded_mesh(const AxisMesh& axis_mesh, bool kept, const Mesh& surface, const SizingField& field) {
   if (!kept)
     return graded_with_retries(axis_mesh, surface, field);
   if (const auto regraded_mesh = regraded(axis_mesh.mesh, surface, field))
@@ -164,7 +164,7 @@ Anatomy process(const Options& options, StepTimer& timer) {
   Anatomy out;
   out.source_path = options.input;
   out.source_sha256 = sha256_of_file(options.input);
-  out.units = options.units;
+  out.unit = options.unit;
   out.edge = options.edge;
   out.repairs = prepared.repairs;
   out.ends = prepared.ends;
@@ -207,10 +207,10 @@ Anatomy process(const Options& options, StepTimer& timer) {
   print_warnings(out.repairs, reported);
   timer.start("grade");
   retag(prepared.mesh, out.ends, before);
-  out.mesh = graded_mesh(axis_mesh, kept, prepared.mesh, EdgeField(options.edge, out.branches, out.profiles));
+  out.mesh = graded_mesh(axis_mesh, kept, prepared.mesh, SizingField(options.edge, out.branches, out.profiles));
   out.quality = quality_of(out.mesh);
   reported = out.repairs.size();
-  warn_of_narrow_corner(out.repairs, out.quality);
+  warn_of_small_angle(out.repairs, out.quality);
   print_warnings(out.repairs, reported);
   timer.start("arrays");
   out.arrays = lumen_arrays(out.mesh, out.branches, out.profiles, prepared.input);

@@ -9,7 +9,7 @@ namespace {
 constexpr int degree = 5;
 constexpr double knot_spacing = 0.75; // mm between the spline's knots: several knots for a coronary bend of 3 mm radius
 constexpr double pin_weight = 1e6;    // weight of the first and the last point in the fit; the other points have 1
-// noise_of() takes differences over every fourth point. Neighbours 0.25 mm apart share Voronoi balls, so their noise
+// noise_of() takes differences over every fourth point. Neighbours 0.25 mm apart share Voronoi spheres, so their noise
 // shows only from 1 mm apart.
 constexpr std::size_t noise_stride = 4;
 constexpr double table_step = 0.02; // mm between entries of the table of arc length

@@ -7,7 +7,7 @@ namespace anatomy {
 namespace {
 
 constexpr double bin_length = 0.25; // mm of path over which the points of a Voronoi path are averaged
-// The path nearer to an end's cap than this (in radii of the end) is left out. Few balls are left there to average.
+// The path nearer to an end's cap than this (in radii of the end) is left out. Few spheres are left there to average.
 constexpr double end_trim_radii = 0.5;
 // Least distance of an end's centre outside the parent's inscribed tube, in radii of the end. A flat facet of the
 // parent's wall lies nearer.
@@ -260,7 +260,8 @@ std::vector<Branch> build_tree(const std::vector<Path>& paths, std::vector<End>&
 
 namespace {
 
-// Replaces `nearest` by a sample of the branch to whose inscribed ball p is nearer than `least`, which is then updated.
+// Replaces `nearest` by a sample of the branch to whose inscribed sphere p is nearer than `least`, which is then
+// updated.
 void search_branch(const Branch& branch, std::size_t index, const Vec3& p, NearestAxis& nearest, double& least) {
   for (std::size_t i = 0; i < branch.x.size(); ++i) {
     if (branch.s[i] < branch.s_outside)

@@ -37,7 +37,7 @@ struct NearestAxis {
 std::vector<Branch> build_tree(const std::vector<Path>& paths, std::vector<End>& ends, std::size_t inlet,
                                const WallTree& wall, double step, const std::vector<int>& wanted);
 
-/// Finds the sample to whose inscribed ball p is nearest. This sample has the least d^2 - R^2 (VMTK's tube function),
+/// Finds the sample to whose inscribed sphere p is nearest. This sample has the least d^2 - R^2 (VMTK's tube function),
 /// with its distance d from p and its inscribed radius R. Samples of a branch inside its parent's tube are left out.
 NearestAxis nearest_axis(const std::vector<Branch>& branches, const Vec3& p);
 /// The same for one branch alone.

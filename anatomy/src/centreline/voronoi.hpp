@@ -1,5 +1,5 @@
 // Paths from the inlet to the outlets on the Voronoi diagram of the wall's vertices, as in VMTK. The nodes are the
-// centres of the Delaunay balls inside the lumen. The cost of a path is the integral of ds/R (Antiga, Ene-Iordache,
+// centres of the Delaunay spheres inside the lumen. The cost of a path is the integral of ds/R (Antiga, Ene-Iordache,
 // Remuzzi 2003).
 #pragma once
 #include "core/types.hpp"
@@ -7,8 +7,8 @@
 namespace anatomy {
 
 struct Path {
-  std::vector<Vec3> points;   ///< mm, centres of the balls, from the inlet on
-  std::vector<double> radius; ///< mm, of the ball at each point
+  std::vector<Vec3> points;   ///< mm, centres of the spheres, from the inlet on
+  std::vector<double> radius; ///< mm, of the sphere at each point
 };
 
 /// Returns one path per end, in the order of `ends`. The path of the end with the index `inlet` is empty. The caps'

@@ -6,10 +6,13 @@
 #include <Eigen/Dense>
 #include <array>
 #include <map>
+#include <numbers>
 #include <string>
 #include <vector>
 
 namespace anatomy {
+
+using std::numbers::pi;
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
@@ -60,7 +63,7 @@ struct End {
 };
 
 inline double End::radius() const {
-  return std::sqrt(area / 3.14159265358979323846);
+  return std::sqrt(area / pi);
 }
 
 /// The tag of each face: 0 is wall, any other number is a cap. If the mesh has no tags, the first function creates

@@ -35,8 +35,8 @@ double normal_sense(const Mesh& mesh, const std::vector<Loop>& loops) {
   return volume < 0 ? -1 : 1;
 }
 
-// The point on the opening's axis at the height of the rim's innermost corner. A ball that touches this point from the
-// inside contains no corner of the rim.
+// The point on the opening's axis at the height of the rim's innermost corner. A sphere that touches this point from
+// the inside contains no corner of the rim.
 Vec3 innermost(const Mesh& mesh, const Loop& loop, const Vec3& inward) {
   double deepest = 0;
   for (Vertex v : CGAL::vertices_around_face(loop.halfedge, mesh))
@@ -46,19 +46,19 @@ Vec3 innermost(const Mesh& mesh, const Loop& loop, const Vec3& inward) {
 
 // Whether one of the points (mm) is near enough to the opening to name it.
 bool is_named(const Loop& loop, const std::vector<Vec3>& named) {
-  const double reach = opening_naming_radii * std::sqrt(loop.area / M_PI);
+  const double reach = opening_naming_radii * std::sqrt(loop.area / pi);
   return std::any_of(named.begin(), named.end(), [&](const Vec3& p) { return (p - loop.centre).norm() < reach; });
 }
 
-// Radius (mm) of the largest ball in the vessel behind the opening.
-double ball_behind(const Mesh& mesh, const VesselProbe& probe, double sense, const Loop& loop) {
+// Radius (mm) of the largest sphere in the vessel behind the opening.
+double sphere_radius_behind(const Mesh& mesh, const VesselProbe& probe, double sense, const Loop& loop) {
   const Vec3 inward = -sense * loop.normal;
-  return probe.ball_radius(innermost(mesh, loop, inward), inward);
+  return probe.sphere_radius(innermost(mesh, loop, inward), inward);
 }
 
-// Whether the opening is too narrow for an end of a vessel that holds a ball of this radius (mm).
-bool is_narrower(const Loop& loop, double ball) {
-  return std::sqrt(loop.area / M_PI) < least_width * ball;
+// Whether the opening is too narrow for an end of a vessel that holds a sphere of this radius (mm).
+bool is_narrower(const Loop& loop, double sphere_radius) {
+  return std::sqrt(loop.area / pi) < least_width * sphere_radius;
 }
 
 } // namespace
@@ -66,7 +66,8 @@ bool is_narrower(const Loop& loop, double ball) {
 IsGivenEnd ends_at_points(std::vector<Vec3> points) {
   return [points = std::move(points)](const Mesh& mesh, const Loop& loop) {
     return is_named(loop, points) &&
-           !is_narrower(loop, ball_behind(mesh, VesselProbe(mesh), normal_sense(mesh, boundary_loops(mesh)), loop));
+           !is_narrower(loop,
+                        sphere_radius_behind(mesh, VesselProbe(mesh), normal_sense(mesh, boundary_loops(mesh)), loop));
   };
 }
 
@@ -80,10 +81,10 @@ void fill_tears(Mesh& mesh, const std::vector<Vec3>& named, std::vector<Repair>&
     const VesselProbe probe(mesh);
     for (const Loop& loop : loops)
       if (!is_named(loop, named))
-        if (const double ball = ball_behind(mesh, probe, sense, loop); is_narrower(loop, ball))
-          tears.emplace_back(loop, ball);
+        if (const double radius = sphere_radius_behind(mesh, probe, sense, loop); is_narrower(loop, radius))
+          tears.emplace_back(loop, radius);
   }
-  for (const auto& [loop, ball] : tears) {
+  for (const auto& [loop, sphere_radius] : tears) {
     if (fill_hole(mesh, loop.halfedge).empty())
       throw InputError("a hole in the wall cannot be filled", point_text(loop.centre),
                        std::to_string(loop.halfedges) + " edges round it", "repair the surface there");
@@ -91,7 +92,7 @@ void fill_tears(Mesh& mesh, const std::vector<Vec3>& named, std::vector<Repair>&
     std::snprintf(detail, sizeof detail,
                   "%zu edges at %s, diameter %.2f mm, the vessel behind it %.2f mm; if a vessel ends there, name it by "
                   "--inlet or --outlet",
-                  loop.halfedges, point_text(loop.centre).c_str(), 2 * std::sqrt(loop.area / M_PI), 2 * ball);
+                  loop.halfedges, point_text(loop.centre).c_str(), 2 * std::sqrt(loop.area / pi), 2 * sphere_radius);
     repairs.push_back({"opening taken for a tear in the wall", 1, detail, true});
   }
   mesh.collect_garbage();
@@ -115,7 +116,7 @@ std::vector<OpenEnd> cap_open_ends(Mesh& mesh, std::vector<Repair>& repairs) {
       for (Face f : faces)
         region[f] = next;
       char detail[128];
-      std::snprintf(detail, sizeof detail, "radius %.3f mm at %s, rim moved %.4f mm", std::sqrt(loop.area / M_PI),
+      std::snprintf(detail, sizeof detail, "radius %.3f mm at %s, rim moved %.4f mm", std::sqrt(loop.area / pi),
                     point_text(loop.centre).c_str(), farthest);
       repairs.push_back({"open end capped", 1, detail});
     }

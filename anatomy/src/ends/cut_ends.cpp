@@ -1,5 +1,5 @@
 #include "ends/cut_ends.hpp"
-#include "centreline/ball_path.hpp"
+#include "centreline/sphere_path.hpp"
 #include "common/error.hpp"
 #include "core/measures.hpp"
 #include "core/slices.hpp"
@@ -13,28 +13,29 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
 constexpr double least_prominence = 2; // a tip of less prominence (in mean radii) is a stub without an end of its own
-// Least prominence of a vessel with an end, in radii of its last ball. A sac is as wide as long, and has less.
-constexpr double least_ball_prominence = 3;
-// Distance from the last ball's centre to the first plane that is tried, and from a plane to the section it is compared
-// with, in radii. Even if the first plane is tilted by 26 degrees, it meets the wall behind the centre.
-constexpr double behind_ball_radii = 0.5;
-constexpr double plane_step_radii = 0.25; // distance between the planes that are tried, in ball radii
-// Largest ratio of the radii of two inscribed balls one radius apart along the axis. Where the ratio is larger the tip
-// still tapers, and no cut is made.
+// Least prominence of a vessel with an end, in radii of its last sphere. A sac is as wide as long, and has less.
+constexpr double least_sphere_prominence = 3;
+// Distance from the last sphere's centre to the first plane that is tried, and from a plane to the section it is
+// compared with, in radii. Even if the first plane is tilted by 26 degrees, it meets the wall behind the centre.
+constexpr double behind_sphere_radii = 0.5;
+constexpr double plane_step_radii = 0.25; // distance between the planes that are tried, in sphere radii
+// Largest ratio of the radii of two inscribed spheres one radius apart along the axis. Where the ratio is larger the
+// tip still tapers, and no cut is made.
 constexpr double tip_taper_ratio = 1.15;
 // Two sections half a radius apart count as alike up to this ratio of their areas. It is a taper of 12 degrees on each
 // side.
 constexpr double similar_area_ratio = 1.25;
 // A tip less than this (in radii of the end) beyond the farthest point of an end's rim belongs to the rim.
 constexpr double rim_margin_radii = 0.4;
-// Two balls are about equally near to a tip if their gaps to it differ by less than this (in ball radii).
+// Two spheres are about equally near to a tip if their gaps to it differ by less than this (in sphere radii).
 constexpr double equal_gap_radii = 0.1;
-// Largest gap between a tip and the surface of its ball, in radii of the ball. At the rim of a flat end it is 0.41.
+// Largest gap between a tip and the surface of its sphere, in radii of the sphere. At the rim of a flat end it is 0.41.
 constexpr double tip_reach_radii = 1;
-// First limit of the edges' length, in mean radii. It is halved until the inscribed balls connect all tips.
+// First limit of the edges' length, in mean radii. It is halved until the inscribed spheres connect all tips.
 constexpr double first_edge_limit = 0.3;
 constexpr double finest_edge_limit = 0.075; // smallest limit of the edges' length that is tried, in mean radii
-// If neighbouring balls lead from a tip's ball this far from the tip (in radii of that ball), the vessel goes on there.
+// If neighbouring spheres lead from a tip's sphere this far from the tip (in radii of that sphere), the vessel goes on
+// there.
 constexpr double continuation_radii = 2;
 // A cut that loses more vessel than this (mm) gives a warning. An ostial lesion lies within 3 mm of the ostium.
 constexpr double most_unwarned_loss = 2;
@@ -72,86 +73,89 @@ const End* end_at(const Vec3& p, const std::vector<EndReach>& reaches) {
   return nullptr;
 }
 
-// Distance between a ball's surface and p, in radii of the ball.
-double gap_in_radii(const Vec3& p, const Balls& balls, std::size_t i) {
-  return std::abs((balls.centre[i] - p).norm() - balls.radius[i]) / balls.radius[i];
+// Distance between a sphere's surface and p, in radii of the sphere.
+double gap_in_radii(const Vec3& p, const InscribedSpheres& spheres, std::size_t i) {
+  return std::abs((spheres.centre[i] - p).norm() - spheres.radius[i]) / spheres.radius[i];
 }
 
-// Index of the largest ball whose surface is within `near` of p, in radii of the ball. A chain of neighbours must lead
-// from this ball on into a vessel. If there is none, the number of balls is returned, which is no valid index.
-std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
+// Index of the largest sphere whose surface is within `near` of p, in radii of the sphere. A chain of neighbours must
+// lead from this sphere on into a vessel. If there is none, the number of spheres is returned, which is no valid index.
+std::size_t largest_sphere_at(const Vec3& p, const InscribedSpheres& spheres, double near) {
   std::vector<std::size_t> touching;
-  for (std::size_t i = 0; i < balls.centre.size(); ++i)
-    if (gap_in_radii(p, balls, i) < near)
+  for (std::size_t i = 0; i < spheres.centre.size(); ++i)
+    if (gap_in_radii(p, spheres, i) < near)
       touching.push_back(i);
   std::stable_sort(touching.begin(), touching.end(),
-                   [&](std::size_t a, std::size_t b) { return balls.radius[a] > balls.radius[b]; });
-  std::vector<bool> seen(balls.centre.size(), false);
+                   [&](std::size_t a, std::size_t b) { return spheres.radius[a] > spheres.radius[b]; });
+  std::vector<bool> seen(spheres.centre.size(), false);
   for (std::size_t i : touching)
-    if (leads_away(balls, i, p, continuation_radii * balls.radius[i], seen))
+    if (leads_away(spheres, i, p, continuation_radii * spheres.radius[i], seen))
       return i;
-  return balls.centre.size();
+  return spheres.centre.size();
 }
 
-// The balls whose surface is less than one of their own radii from p, the nearest first.
-std::vector<std::size_t> nearest_balls(const Vec3& p, const Balls& balls) {
+// The spheres whose surface is less than one of their own radii from p, the nearest first.
+std::vector<std::size_t> nearest_spheres(const Vec3& p, const InscribedSpheres& spheres) {
   std::vector<std::size_t> found;
-  for (std::size_t i = 0; i < balls.centre.size(); ++i)
-    if (gap_in_radii(p, balls, i) < tip_reach_radii)
+  for (std::size_t i = 0; i < spheres.centre.size(); ++i)
+    if (gap_in_radii(p, spheres, i) < tip_reach_radii)
       found.push_back(i);
-  std::stable_sort(found.begin(), found.end(),
-                   [&](std::size_t a, std::size_t b) { return gap_in_radii(p, balls, a) < gap_in_radii(p, balls, b); });
+  std::stable_sort(found.begin(), found.end(), [&](std::size_t a, std::size_t b) {
+    return gap_in_radii(p, spheres, a) < gap_in_radii(p, spheres, b);
+  });
   return found;
 }
 
-// The last inscribed ball of the vessel that ends at the tip: the largest ball that touches the tip and from which
-// neighbouring balls lead into the vessel. At a corner of a flat end's rim no ball touches the tip. On a rough wall the
-// touching balls may have no neighbours. In these cases the largest of the balls whose surfaces come nearest to the tip
-// is returned. If no ball leads on there is no vessel, as in a sphere, and the nearest ball is returned.
-std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
+// The last inscribed sphere of the vessel that ends at the tip: the largest sphere that touches the tip and from which
+// neighbouring spheres lead into the vessel. At a corner of a flat end's rim no sphere touches the tip. On a rough wall
+// the touching spheres may have no neighbours. In these cases the largest of the spheres whose surfaces come nearest to
+// the tip is returned. If no sphere leads on there is no vessel, as in a round cavity, and the nearest sphere is
+// returned.
+std::size_t last_sphere(const Mesh& mesh, const InscribedSpheres& spheres, Vertex tip) {
   const Vec3 p = vec(mesh.point(tip));
-  if (const std::size_t touching = largest_ball_at(p, balls, 1e-6); touching < balls.centre.size())
+  if (const std::size_t touching = largest_sphere_at(p, spheres, 1e-6); touching < spheres.centre.size())
     return touching;
-  const std::vector<std::size_t> nearest = nearest_balls(p, balls);
+  const std::vector<std::size_t> nearest = nearest_spheres(p, spheres);
   if (nearest.empty())
     throw InputError(
         "no axis found at a rounded end", point_text(p), "no inscribed ball",
         "cut the end flat, or leave it open; if it is open with a lip, cut the vessel behind the lip by --cut");
-  std::vector<bool> seen(balls.centre.size(), false);
+  std::vector<bool> seen(spheres.centre.size(), false);
   for (std::size_t i : nearest)
-    if (leads_away(balls, i, p, continuation_radii * balls.radius[i], seen)) {
-      // A larger ball must lead farther from the tip. If that search fails, it may have visited ball i already, and
-      // then it finds no ball. In this case ball i is used.
-      const std::size_t largest = largest_ball_at(p, balls, gap_in_radii(p, balls, i) + equal_gap_radii);
-      return largest < balls.centre.size() ? largest : i;
+    if (leads_away(spheres, i, p, continuation_radii * spheres.radius[i], seen)) {
+      // A larger sphere must lead farther from the tip. If that search fails, it may have visited sphere i already, and
+      // then it finds no sphere. In this case sphere i is used.
+      const std::size_t largest = largest_sphere_at(p, spheres, gap_in_radii(p, spheres, i) + equal_gap_radii);
+      return largest < spheres.centre.size() ? largest : i;
     }
   return nearest.front();
 }
 
-// The inscribed ball at a tip: the end's ball if an end lies there, else the last ball of the vessel.
-std::size_t ball_of(const Mesh& mesh, const Balls& balls, const std::vector<EndReach>& reaches, Vertex tip) {
+// The inscribed sphere at a tip: the end's sphere if an end lies there, else the last sphere of the vessel.
+std::size_t sphere_of(const Mesh& mesh, const InscribedSpheres& spheres, const std::vector<EndReach>& reaches,
+                      Vertex tip) {
   const End* end = end_at(vec(mesh.point(tip)), reaches);
-  return end ? ball_at_end(balls, *end) : last_ball(mesh, balls, tip);
+  return end ? sphere_at_end(spheres, *end) : last_sphere(mesh, spheres, tip);
 }
 
-Plane plane_across(const Mesh& mesh, const BallPath& path, double where) {
+Plane plane_across(const Mesh& mesh, const SpherePath& path, double where) {
   return {path.centre(where), vessel_direction(mesh, path, where), path.radius[path.index_at(where)]};
 }
 
 // Finds the first plane across the vessel whose section is like the section half a radius further in. The search starts
-// half a radius behind the last ball's centre. The plane's cutting square covers the section. If no plane fits, the
+// half a radius behind the last sphere's centre. The plane's cutting square covers the section. If no plane fits, the
 // last one tried before the middle of the path is returned, or the middle if none was tried.
-Plane cut_plane(const Mesh& mesh, const Slices& slices, const BallPath& path) {
+Plane cut_plane(const Mesh& mesh, const Slices& slices, const SpherePath& path) {
   Plane plane = plane_across(mesh, path, 0.5 * path.length());
-  for (double where = behind_ball_radii * path.radius.front(); where < 0.5 * path.length();
+  for (double where = behind_sphere_radii * path.radius.front(); where < 0.5 * path.length();
        where += plane_step_radii * path.radius[path.index_at(where)]) {
-    const double ball = path.radius[path.index_at(where)];
-    if (path.radius[path.index_at(where + ball)] > tip_taper_ratio * ball)
+    const double inscribed = path.radius[path.index_at(where)];
+    if (path.radius[path.index_at(where + inscribed)] > tip_taper_ratio * inscribed)
       continue;
     plane = plane_across(mesh, path, where);
     const SectionSize here = slices.section_size({plane.centre, plane.normal});
     Plane further = plane;
-    further.centre += behind_ball_radii * std::sqrt(here.area / M_PI) * plane.normal;
+    further.centre += behind_sphere_radii * std::sqrt(here.area / pi) * plane.normal;
     const double area = slices.section_size({further.centre, further.normal}).area;
     if (here.area > 0 && area > here.area / similar_area_ratio && area < here.area * similar_area_ratio) {
       plane.radius = std::max(plane.radius, section_cover * here.reach / square_half_width);
@@ -162,8 +166,8 @@ Plane cut_plane(const Mesh& mesh, const Slices& slices, const BallPath& path) {
 }
 
 // A copy of the surface with no wall edge longer than `longest` (mm). Where vessels meet on a coarse surface, a vertex
-// normal fits none of the vessels, and the inscribed balls of such vertices are not neighbours. More vertices connect
-// the balls. The mesh's vertices keep their numbers.
+// normal fits none of the vessels, and the inscribed spheres of such vertices are not neighbours. More vertices connect
+// the spheres. The mesh's vertices keep their numbers.
 Mesh with_short_edges(const Mesh& mesh, double longest) {
   Mesh out = mesh;
   const RegionMap region = region_map(out);
@@ -198,27 +202,27 @@ bool make_same_cut(const Plane& a, const Plane& b) {
   return (a.centre - b.centre).norm() < same_cut_radii * std::max(a.radius, b.radius) && a.normal.dot(b.normal) > 0;
 }
 
-// The inscribed balls of a surface, and the index of each tip's ball.
-struct TipBalls {
-  Balls balls;
-  std::vector<std::size_t> tip_ball;
+// The inscribed spheres of a surface, and the index of each tip's sphere.
+struct TipSpheres {
+  InscribedSpheres spheres;
+  std::vector<std::size_t> tip_sphere;
 };
 
-// Whether chains of neighbouring balls connect the first tip's ball with the ball of every other tip.
-bool are_connected(const TipBalls& tips) {
-  const ShortestPaths cheapest = cheapest_paths(tips.balls, tips.tip_ball.front());
-  return std::all_of(tips.tip_ball.begin(), tips.tip_ball.end(),
-                     [&](std::size_t ball) { return cheapest.cost[ball] < unreached; });
+// Whether chains of neighbouring spheres connect the first tip's sphere with the sphere of every other tip.
+bool are_connected(const TipSpheres& tips) {
+  const ShortestPaths cheapest = cheapest_paths(tips.spheres, tips.tip_sphere.front());
+  return std::all_of(tips.tip_sphere.begin(), tips.tip_sphere.end(),
+                     [&](std::size_t sphere) { return cheapest.cost[sphere] < unreached; });
 }
 
-// The inscribed balls of the surface and each tip's ball. The wall's edges are split more finely until the balls
+// The inscribed spheres of the surface and each tip's sphere. The wall's edges are split more finely until the spheres
 // connect all tips, or down to finest_edge_limit.
-TipBalls balls_of_tips(const Mesh& mesh, const std::vector<End>& ends, const std::vector<EndReach>& reaches,
-                       const std::vector<Tip>& tips) {
+TipSpheres spheres_of_tips(const Mesh& mesh, const std::vector<End>& ends, const std::vector<EndReach>& reaches,
+                           const std::vector<Tip>& tips) {
   for (double longest = first_edge_limit;; longest /= 2) {
-    TipBalls found{inner_balls(with_short_edges(mesh, longest * mean_radius(mesh)), ends), {}};
+    TipSpheres found{inscribed_spheres(with_short_edges(mesh, longest * mean_radius(mesh)), ends), {}};
     for (const Tip& tip : tips)
-      found.tip_ball.push_back(ball_of(mesh, found.balls, reaches, tip.vertex));
+      found.tip_sphere.push_back(sphere_of(mesh, found.spheres, reaches, tip.vertex));
     if (longest < 2 * finest_edge_limit || are_connected(found))
       return found;
   }
@@ -235,14 +239,15 @@ std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& e
   const auto is_rounded = [&](const Tip& tip) { return !end_at(vec(mesh.point(tip.vertex)), reaches); };
   if (tips.size() < 2 || std::none_of(tips.begin(), tips.end(), is_rounded))
     return {};
-  const TipBalls found = balls_of_tips(mesh, ends, reaches, tips);
+  const TipSpheres found = spheres_of_tips(mesh, ends, reaches, tips);
   const Slices slices(mesh);
   std::vector<RoundedEnd> rounded;
   for (std::size_t t = 0; t < tips.size(); ++t) {
     const Tip& tip = tips[t];
     if (!is_rounded(tip))
       continue;
-    const BallPath path(found.balls, cheapest_paths(found.balls, found.tip_ball[t == 0 ? 1 : 0]), found.tip_ball[t]);
+    const SpherePath path(found.spheres, cheapest_paths(found.spheres, found.tip_sphere[t == 0 ? 1 : 0]),
+                          found.tip_sphere[t]);
     RoundedEnd end{
         tip.vertex,
         vec(mesh.point(tip.vertex)),
@@ -256,7 +261,7 @@ std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& e
     char why[160] = "";
     if (path.length() < path.radius.front()) // a surface like a sphere has tips but no vessel between them
       std::snprintf(why, sizeof why, "its axis is %.2f mm long, less than its radius", path.length());
-    else if (tip.prominence < std::max(least_prominence * mean, least_ball_prominence * path.radius.front()))
+    else if (tip.prominence < std::max(least_prominence * mean, least_sphere_prominence * path.radius.front()))
       std::snprintf(why, sizeof why, "it stands out by %.2f mm only: a stub", tip.prominence);
     end.too_short_reason = why;
     if (std::none_of(rounded.begin(), rounded.end(),
@@ -287,19 +292,19 @@ void cut_rounded(Mesh& mesh, const RoundedEnd& end, std::vector<Repair>& repairs
 void cut_across(Mesh& mesh, const Mesh& tagged, const std::vector<End>& ends, const std::vector<Vec3>& points,
                 std::vector<Repair>& repairs) {
   const std::vector<Tip> tips = tips_of(tagged, least_prominence * mean_radius(tagged));
-  const Balls balls = inner_balls(tagged, ends);
+  const InscribedSpheres spheres = inscribed_spheres(tagged, ends);
   const std::vector<EndReach> reaches = end_reaches(tagged, ends);
-  std::vector<BallPath> paths;
+  std::vector<SpherePath> paths;
   if (tips.size() >= 2) {
-    const ShortestPaths from_tip = cheapest_paths(balls, ball_of(tagged, balls, reaches, tips[0].vertex));
+    const ShortestPaths from_tip = cheapest_paths(spheres, sphere_of(tagged, spheres, reaches, tips[0].vertex));
     for (std::size_t t = 1; t < tips.size(); ++t)
-      paths.emplace_back(balls, from_tip, ball_of(tagged, balls, reaches, tips[t].vertex));
+      paths.emplace_back(spheres, from_tip, sphere_of(tagged, spheres, reaches, tips[t].vertex));
   }
   for (const Vec3& p : points) {
-    const BallPath* nearest = nullptr;
+    const SpherePath* nearest = nullptr;
     std::size_t at = 0;
     double least = 1e300;
-    for (const BallPath& path : paths)
+    for (const SpherePath& path : paths)
       for (std::size_t i = 0; i < path.points.size(); ++i)
         if ((path.points[i] - p).norm() < least) {
           least = (path.points[i] - p).norm();

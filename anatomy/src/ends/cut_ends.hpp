@@ -9,20 +9,20 @@ namespace anatomy {
 struct RoundedEnd {
   Vertex tip;
   Vec3 position; ///< mm, position of the tip
-  Plane plane;   ///< plane of the cut, across the axis behind the last ball, where the section's area changes little
-  double radius = 0; ///< radius (mm) of the last inscribed ball before the tip
-  /// Radius (mm) of the largest ball on the axis up to half the prominence from the last ball. At a rough tip the last
-  /// ball itself is too small.
-  double widest_ball = 0;
+  Plane plane;   ///< plane of the cut, across the axis behind the last sphere, where the section's area changes little
+  double radius = 0; ///< radius (mm) of the last inscribed sphere before the tip
+  /// Radius (mm) of the largest sphere on the axis up to half the prominence from the last sphere. At a rough tip the
+  /// last sphere itself is too small.
+  double widest_sphere = 0;
   double prominence = 0;        ///< prominence (mm along the surface) of the tip, see Tip in repair/tips.hpp
-  bool is_reachable = true;     ///< whether a path through inscribed balls leads from another tip to this one
+  bool is_reachable = true;     ///< whether a path through inscribed spheres leads from another tip to this one
   std::string too_short_reason; ///< why the vessel is too short to have an end; empty if it is long enough
 };
 
 /// Returns the tips whose prominence is at least `prominence` mean radii and that lie at none of the tagged `ends`. The
 /// most prominent comes first; of tips with the same cut only one is returned. The mesh must be closed, one component
 /// and without removed elements. With from_both, tips are sought by the distance from either extremity of the surface
-/// (repair/tips.hpp); this also finds short tips. Throws InputError if no inscribed ball is near a tip.
+/// (repair/tips.hpp); this also finds short tips. Throws InputError if no inscribed sphere is near a tip.
 std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence,
                                      bool from_both = false);
 

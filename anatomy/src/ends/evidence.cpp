@@ -23,8 +23,8 @@ constexpr double section_depth_radii = 0.5;
 // The tilt is measured on wall farther behind the flat part than this, in radii of the part. A rounded rim is neither
 // cap nor wall.
 constexpr double rim_depth_radii = 0.25;
-constexpr double largest_ball = 20; // mm, radius at which the shrinking of the ball starts: wider than any aorta
-constexpr int most_shrinks = 40;    // largest number of times that the ball is shrunk
+constexpr double largest_sphere = 20; // mm, radius at which the shrinking of the sphere starts: wider than any aorta
+constexpr int most_shrinks = 40;      // largest number of times that the sphere is shrunk
 
 } // namespace
 
@@ -37,9 +37,9 @@ struct VesselProbe::SearchTrees {
 VesselProbe::VesselProbe(const Mesh& mesh) : mesh_(mesh), search_trees_(std::make_shared<SearchTrees>(mesh)) {}
 
 std::string no_end_reason(const PatchPlane& plane, const EndEvidence& evidence, bool rough) {
-  if (plane.width < least_width * 2 * evidence.ball_radius)
+  if (plane.width < least_width * 2 * evidence.sphere_radius)
     return "a facet of the wall: narrower than the vessel behind it";
-  if (plane.highest - plane.lowest > 2 * most_flat_height * std::sqrt(plane.area / M_PI))
+  if (plane.highest - plane.lowest > 2 * most_flat_height * std::sqrt(plane.area / pi))
     return "not flat";
   if (evidence.section_area <= 0)
     return "no vessel behind it";
@@ -48,14 +48,14 @@ std::string no_end_reason(const PatchPlane& plane, const EndEvidence& evidence, 
     return "the vessel half a radius behind it is of another size";
   if (rough && evidence.section_area > rough_part_ratio * plane.area)
     return "only a part of a rough end";
-  if (evidence.tilt > std::acos(cos_tilt) * 180 / M_PI)
+  if (evidence.tilt > std::acos(cos_tilt) * 180 / pi)
     return "along the vessel, not across it";
   return "";
 }
 
-// Shrinks a large ball until no part of the surface reaches into it.
-double VesselProbe::ball_radius(const Vec3& from, const Vec3& inward) const {
-  double radius = largest_ball;
+// Shrinks a large sphere until no part of the surface reaches into it.
+double VesselProbe::sphere_radius(const Vec3& from, const Vec3& inward) const {
+  double radius = largest_sphere;
   for (int step = 0; step < most_shrinks; ++step) {
     const Vec3 centre = from + radius * inward;
     const Vec3 reach = vec(search_trees_->faces.closest_point(point(centre))) - from;
@@ -68,7 +68,7 @@ double VesselProbe::ball_radius(const Vec3& from, const Vec3& inward) const {
 }
 
 double VesselProbe::tilt(const std::vector<Face>& patch, const PatchPlane& plane) const {
-  const double radius = std::sqrt(plane.area / M_PI);
+  const double radius = std::sqrt(plane.area / pi);
   std::set<Face> seen(patch.begin(), patch.end());
   std::vector<Face> wall;
   const auto add_beside = [&](Face f, bool at_rim) {
@@ -89,16 +89,16 @@ double VesselProbe::tilt(const std::vector<Face>& patch, const PatchPlane& plane
         area.norm() > 0 && (centroid(mesh_, f) - plane.centre).dot(plane.normal) < -rim_depth_radii * radius)
       spread += area * area.transpose() / area.norm();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-  return std::acos(std::min(1.0, std::abs(axes.eigenvectors().col(0).dot(plane.normal)))) * 180 / M_PI;
+  return std::acos(std::min(1.0, std::abs(axes.eigenvectors().col(0).dot(plane.normal)))) * 180 / pi;
 }
 
 EndEvidence VesselProbe::evidence(const std::vector<Face>& patch, const PatchPlane& plane) const {
   EndEvidence out;
-  // The ball starts at the height of the innermost vertex, so that the part's own noise does not reach into it.
-  out.ball_radius = ball_radius(plane.centre + plane.lowest * plane.normal, -plane.normal);
-  if (plane.width < least_width * 2 * out.ball_radius)
+  // The sphere starts at the height of the innermost vertex, so that the part's own noise does not reach into it.
+  out.sphere_radius = sphere_radius(plane.centre + plane.lowest * plane.normal, -plane.normal);
+  if (plane.width < least_width * 2 * out.sphere_radius)
     return out;
-  const double depth = section_depth_radii * std::sqrt(plane.area / M_PI);
+  const double depth = section_depth_radii * std::sqrt(plane.area / pi);
   const PlaneFrame frame(plane.centre - depth * plane.normal, plane.normal);
   std::vector<Vec2> loop;
   for (const Vec3& p : search_trees_->slices.loop_around(frame))

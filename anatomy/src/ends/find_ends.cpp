@@ -20,11 +20,26 @@ constexpr double least_off_plane = 0.03;
 constexpr double largest_off_plane = 0.1;
 constexpr double noise_multiple = 3;
 constexpr double flat_naming_radii = 3; // a point within this many radii of a flat or open end's centre names the end
-// A point this near to a tip (in radii of the tip's last ball) names the tip. The ball's centre lies a radius behind
-// it.
+// A point this near to a tip (in radii of the tip's last sphere) names the tip. The sphere's centre lies a radius
+// behind it.
 constexpr double tip_naming_radii = 4;
 constexpr int most_walls_shown = 12;           // largest number of candidates taken for wall that are shown
 constexpr double least_prominence_unnamed = 2; // a tip as prominent as this (in mean radii) is an end even if unnamed
+
+// A candidate's kind as `lumen check` and its JSON document name it.
+const char* text_of(CandidateKind kind) {
+  switch (kind) {
+  case CandidateKind::open:
+    return "open";
+  case CandidateKind::given:
+    return "given";
+  case CandidateKind::flat:
+    return "flat";
+  case CandidateKind::rounded:
+    break;
+  }
+  return "rounded";
+}
 
 // A candidate, with the faces or the cut that make it an end.
 struct CandidatePlace {
@@ -37,38 +52,38 @@ struct CandidatePlace {
   bool is_stub() const { return !rounded.too_short_reason.empty(); }
   // Distance from p to this place, as a share of the largest distance at which a point names it. Below 1, p names it.
   double distance(const Vec3& p) const {
-    return is_rounded()
-               ? (p - rounded.position).norm() / (tip_naming_radii * (is_stub() ? rounded.widest_ball : rounded.radius))
-               : (p - candidate.centre).norm() / (flat_naming_radii * 0.5 * candidate.diameter);
+    return is_rounded() ? (p - rounded.position).norm() /
+                              (tip_naming_radii * (is_stub() ? rounded.widest_sphere : rounded.radius))
+                        : (p - candidate.centre).norm() / (flat_naming_radii * 0.5 * candidate.diameter);
   }
 };
 
 CandidatePlace flat_place(const Mesh& mesh, const VesselProbe& probe, const std::vector<Face>& faces,
-                          const std::string& kind, bool rough) {
+                          CandidateKind kind, bool rough) {
   const PatchPlane plane = plane_of(mesh, faces);
   CandidatePlace out;
   out.faces = faces;
   out.candidate.kind = kind;
   out.candidate.centre = plane.centre;
-  out.candidate.diameter = 2 * std::sqrt(plane.area / M_PI);
+  out.candidate.diameter = 2 * std::sqrt(plane.area / pi);
   out.candidate.off_plane = plane.highest - plane.lowest;
   out.candidate.width = plane.width;
   out.candidate.is_end = true;
-  if (kind == "given") {
+  if (kind == CandidateKind::given) {
     out.candidate.why = "given as an end";
     return out;
   }
   out.candidate.evidence = probe.evidence(faces, plane);
   const std::string why = no_end_reason(plane, out.candidate.evidence, rough);
-  out.candidate.is_end = kind == "open" || why.empty();
-  out.candidate.why = kind == "open" ? "an opening" : why.empty() ? "closes the vessel" : why;
+  out.candidate.is_end = kind == CandidateKind::open || why.empty();
+  out.candidate.why = kind == CandidateKind::open ? "an opening" : why.empty() ? "closes the vessel" : why;
   return out;
 }
 
 CandidatePlace rounded_place(const RoundedEnd& end, bool is_end) {
   CandidatePlace out;
   out.rounded = end;
-  out.candidate.kind = "rounded";
+  out.candidate.kind = CandidateKind::rounded;
   out.candidate.width = 2 * end.radius;
   out.candidate.centre = end.position;
   out.candidate.diameter = 2 * end.radius;
@@ -89,21 +104,22 @@ std::vector<CandidatePlace> flat_places(const Mesh& mesh, const NamedEnds& named
   const VesselProbe probe(mesh);
   std::vector<CandidatePlace> places;
   for (const auto& [value, faces] : tagged_faces(mesh))
-    places.push_back(flat_place(mesh, probe, faces, named.openings.contains(value) ? "open" : "given", false));
+    places.push_back(flat_place(mesh, probe, faces,
+                                named.openings.contains(value) ? CandidateKind::open : CandidateKind::given, false));
   if (named.tagged)
     return places;
   const double mean = mean_radius(mesh);
   const double radius = std::max(least_radius, smallest_end_radius * mean);
   const double reach = noise_multiple * roughness_of(mesh).rms;
   const double flat = std::clamp(reach, least_off_plane * mean, largest_off_plane * mean);
-  for (const auto& faces : planar_patches(mesh, flat, M_PI * radius * radius))
-    places.push_back(flat_place(mesh, probe, faces, "flat", reach > flat));
+  for (const auto& faces : planar_patches(mesh, flat, pi * radius * radius))
+    places.push_back(flat_place(mesh, probe, faces, CandidateKind::flat, reach > flat));
   return places;
 }
 
 std::string candidate_line(const EndCandidate& one) {
   char text[160];
-  std::snprintf(text, sizeof text, "%s, %s, diameter %.2f mm", point_text(one.centre).c_str(), one.kind.c_str(),
+  std::snprintf(text, sizeof text, "%s, %s, diameter %.2f mm", point_text(one.centre).c_str(), text_of(one.kind),
                 one.diameter);
   return text;
 }
@@ -153,11 +169,12 @@ void keep_stub_at_inlet(std::vector<CandidatePlace>& places, const Vec3& inlet) 
 // Warns of an opening that the user made an end although it is narrower than the vessel behind it. Such an end
 // restricts the flow.
 void warn_of_narrow_end(const CandidatePlace& end, std::vector<Repair>& repairs) {
-  if (end.candidate.kind != "open" || end.candidate.width >= least_width * 2 * end.candidate.evidence.ball_radius)
+  if (end.candidate.kind != CandidateKind::open ||
+      end.candidate.width >= least_width * 2 * end.candidate.evidence.sphere_radius)
     return;
   char behind[128];
   std::snprintf(behind, sizeof behind, "; the vessel behind it is %.2f mm wide: cut the end where the vessel is whole",
-                2 * end.candidate.evidence.ball_radius);
+                2 * end.candidate.evidence.sphere_radius);
   repairs.push_back({"end narrower than its vessel", 1, candidate_line(end.candidate) + behind, true});
 }
 
@@ -165,7 +182,7 @@ void warn_of_narrow_end(const CandidatePlace& end, std::vector<Repair>& repairs)
 // blindly there, as at an occlusion.
 void warn_of_closed_ends(const std::vector<CandidatePlace>& places, std::vector<Repair>& repairs) {
   const auto open = std::count_if(places.begin(), places.end(),
-                                  [](const CandidatePlace& one) { return one.candidate.kind == "open"; });
+                                  [](const CandidatePlace& one) { return one.candidate.kind == CandidateKind::open; });
   if (open < 2)
     return;
   for (const CandidatePlace& one : places)
@@ -195,7 +212,7 @@ void keep_named_ends(std::vector<CandidatePlace>& places, const NamedEnds& named
     largest->named = true;
   std::string open;
   for (const CandidatePlace& one : places)
-    if (!one.named && one.candidate.kind == "open")
+    if (!one.named && one.candidate.kind == CandidateKind::open)
       open += (open.empty() ? "" : "; ") + candidate_line(one.candidate);
   if (!open.empty() && !named.close_others)
     throw InputError("openings of the vessel that no point names", "--inlet, --outlet",
@@ -252,7 +269,8 @@ std::vector<End> tagged_ends(Mesh& mesh, const std::vector<CandidatePlace>& plac
     region[f] = 0; // this also removes the patches that tag_wall_islands tagged in an earlier call
   for (const CandidatePlace& one : places)
     tag(mesh, one.faces, one.candidate.is_end ? ++next : 0);
-  if (std::any_of(places.begin(), places.end(), [](const CandidatePlace& one) { return one.candidate.kind == "flat"; }))
+  if (std::any_of(places.begin(), places.end(),
+                  [](const CandidatePlace& one) { return one.candidate.kind == CandidateKind::flat; }))
     tag_wall_islands(mesh);
   return measure_ends(mesh);
 }
@@ -263,12 +281,12 @@ void cut_rims(Mesh& mesh, std::vector<CandidatePlace>& places, std::vector<Repai
   std::vector<std::pair<Plane, Vertex>> cuts;
   const Slices slices(mesh);
   for (CandidatePlace& one : places) {
-    if (one.candidate.kind != "flat" || !one.candidate.is_end)
+    if (one.candidate.kind != CandidateKind::flat || !one.candidate.is_end)
       continue;
     const PatchPlane end = plane_of(mesh, one.faces);
     if (const auto plane = plane_behind_rim(slices, end, one.candidate.evidence.section_area)) {
       cuts.emplace_back(*plane, mesh.target(mesh.halfedge(one.faces.front())));
-      one.candidate.diameter = 2 * std::sqrt(slices.section_size({plane->centre, plane->normal}).area / M_PI);
+      one.candidate.diameter = 2 * std::sqrt(slices.section_size({plane->centre, plane->normal}).area / pi);
       one.candidate.why += ", behind its rounded rim";
     }
   }
@@ -350,7 +368,7 @@ std::vector<EndCandidate> find_ends(Mesh& mesh, NamedEnds named, double least_ra
 std::vector<std::vector<Face>> flat_ends(const Mesh& mesh, double least_radius) {
   std::vector<std::vector<Face>> ends;
   for (const CandidatePlace& one : flat_places(mesh, {}, least_radius))
-    if (one.candidate.kind == "flat" && one.candidate.is_end)
+    if (one.candidate.kind == CandidateKind::flat && one.candidate.is_end)
       ends.push_back(one.faces);
   return ends;
 }
@@ -361,15 +379,15 @@ std::string table_of(const std::vector<EndCandidate>& candidates) {
   for (const EndCandidate& one : candidates) {
     char line[320];
     std::snprintf(line, sizeof line, "%8.2f %8.2f %8.2f  %-8s %8.2f %10.3f", one.centre.x(), one.centre.y(),
-                  one.centre.z(), one.kind.c_str(), one.diameter, one.off_plane);
+                  one.centre.z(), text_of(one.kind), one.diameter, one.off_plane);
     text += line;
-    if (one.kind == "rounded")
+    if (one.kind == CandidateKind::rounded)
       std::snprintf(line, sizeof line, "%15s %12s %5s", "-", "-", "-");
     else if (one.evidence.section_area > 0)
-      std::snprintf(line, sizeof line, "%15.2f %12.2f %5.0f", 2 * one.evidence.ball_radius, one.evidence.section_area,
+      std::snprintf(line, sizeof line, "%15.2f %12.2f %5.0f", 2 * one.evidence.sphere_radius, one.evidence.section_area,
                     one.evidence.tilt);
     else
-      std::snprintf(line, sizeof line, "%15.2f %12s %5s", 2 * one.evidence.ball_radius, "-", "-");
+      std::snprintf(line, sizeof line, "%15.2f %12s %5s", 2 * one.evidence.sphere_radius, "-", "-");
     text += line;
     text += std::string("  ") + (one.is_end ? "end: " : "wall: ") + one.why + "\n";
   }
@@ -379,11 +397,11 @@ std::string table_of(const std::vector<EndCandidate>& candidates) {
 nlohmann::ordered_json document_of(const std::vector<EndCandidate>& candidates) {
   nlohmann::ordered_json document{{"schema", "vci-ends-1"}, {"candidates", nlohmann::ordered_json::array()}};
   for (const EndCandidate& one : candidates)
-    document["candidates"].push_back({{"kind", one.kind},
+    document["candidates"].push_back({{"kind", text_of(one.kind)},
                                       {"centre_mm", {one.centre.x(), one.centre.y(), one.centre.z()}},
                                       {"diameter_mm", one.diameter},
                                       {"off_plane_mm", one.off_plane},
-                                      {"ball_diameter_mm", 2 * one.evidence.ball_radius},
+                                      {"ball_diameter_mm", 2 * one.evidence.sphere_radius},
                                       {"section_mm2", one.evidence.section_area},
                                       {"is_end", one.is_end},
                                       {"why", one.why}});

@@ -23,12 +23,19 @@ struct NamedEnds {
   bool close_others = false; ///< whether openings without a point are closed and become wall
 };
 
+/// What a candidate for an end is on the surface.
+enum class CandidateKind {
+  open,   ///< an opening
+  given,  ///< already tagged
+  flat,   ///< a flat part of the wall
+  rounded ///< a vessel's tip
+};
+
 /// A place where the vessel may end, as the user sees it.
 struct EndCandidate {
-  /// open: an opening; given: already tagged; flat: a flat part of the wall; rounded: a vessel's tip
-  std::string kind;
+  CandidateKind kind = CandidateKind::flat;
   Vec3 centre = Vec3::Zero();
-  double diameter = 0;  ///< mm, of a disc of the same area; for a rounded end the diameter of the vessel's last ball
+  double diameter = 0;  ///< mm, of a disc of the same area; for a rounded end the diameter of the vessel's last sphere
   double width = 0;     ///< mm, minor axis (see PatchPlane); for a rounded end the same as `diameter`
   double off_plane = 0; ///< mm along the normal from the innermost to the outermost vertex; 0 for a rounded end
   EndEvidence evidence; ///< measured at open and flat places only

@@ -33,7 +33,7 @@ constexpr double rim_distance_radii = 0.5;
 constexpr double least_turn_sine = 0.1;
 
 double radius_of(double area) {
-  return std::sqrt(area / M_PI);
+  return std::sqrt(area / pi);
 }
 
 // A given cap with a search tree of its triangles.

@@ -89,7 +89,7 @@ bool folds(const Mesh& mesh, const Loop& loop, const Rim& rim) {
 
 OpenEnd open_end(const Mesh& mesh, const Loop& loop) {
   const Rim rim = rim_of(mesh, loop);
-  const double radius = std::sqrt(loop.area / M_PI);
+  const double radius = std::sqrt(loop.area / pi);
   const double behind = rim.deepest + notch_margin * rim.spacing;
   OpenEnd end;
   end.plane = {loop.centre + behind * rim.inward, rim.inward,
@@ -115,7 +115,7 @@ std::vector<Face> close_unflattened(Mesh& mesh, const Loop& loop, const OpenEnd&
     return fill_hole(mesh, loop.halfedge);
   CGAL::Euler::fill_hole(loop.halfedge, mesh);
   const Vertex apex = mesh.target(CGAL::Euler::add_center_vertex(loop.halfedge, mesh));
-  const double radius = std::sqrt(end.area / M_PI);
+  const double radius = std::sqrt(end.area / pi);
   mesh.point(apex) = point(end.plane.centre - (end.depth + apex_radii * radius) * end.plane.normal);
   const auto faces = mesh.faces_around_target(mesh.halfedge(apex));
   return {faces.begin(), faces.end()};

@@ -83,7 +83,7 @@ bool are_alike(const OpenedMesh& a, const OpenedMesh& b, const OpenedMesh& c) {
   const Vec3 bend = (c.loop.centre - b.loop.centre) - (b.loop.centre - a.loop.centre);
   return std::abs(b.loop.area / a.loop.area - 1) < section_area_tolerance &&
          std::abs(c.loop.area / b.loop.area - 1) < section_area_tolerance &&
-         bend.norm() < step_tolerance * std::sqrt(a.loop.area / M_PI);
+         bend.norm() < step_tolerance * std::sqrt(a.loop.area / pi);
 }
 
 // Cuts behind the end at the first plane whose section is like the sections of the next two planes, an edge apart.
@@ -103,7 +103,7 @@ OpenedMesh cut_behind(const Mesh& mesh, const OpenEnd& end) {
   }
   char value[160];
   std::snprintf(value, sizeof value, "diameter %.2f mm; no three like sections within %.1f mm behind its rim",
-                2 * std::sqrt(end.area / M_PI), end.depth + (most_attempts - 1) * end.spacing);
+                2 * std::sqrt(end.area / pi), end.depth + (most_attempts - 1) * end.spacing);
   throw InputError("an open end is too ragged to be cut flat", point_text(end.centre), value,
                    std::string(cut_remedy) + "; if no vessel ends there, the wall is torn: fill the hole");
 }

@@ -19,7 +19,7 @@ constexpr double deepest_radii = 0.75; // distance from the end to the last plan
 std::optional<Plane> plane_behind_rim(const Slices& slices, const PatchPlane& end, double section) {
   if (section < rounded_rim_ratio * end.area)
     return std::nullopt;
-  const double radius = std::sqrt(section / M_PI);
+  const double radius = std::sqrt(section / pi);
   const auto size_at = [&](double depth) { return slices.section_size({end.centre - depth * end.normal, end.normal}); };
   for (double depth = rim_step_radii * radius - end.lowest; depth < deepest_radii * radius;
        depth += rim_step_radii * radius) {

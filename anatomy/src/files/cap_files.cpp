@@ -31,10 +31,10 @@ GivenCap measure_cap(const std::string& path, const Soup& soup) {
 
 } // namespace
 
-std::vector<GivenCap> read_caps(const std::vector<std::string>& paths, const std::string& units) {
+std::vector<GivenCap> read_caps(const std::vector<std::string>& paths, LengthUnit unit) {
   std::vector<GivenCap> caps;
   for (const std::string& path : paths)
-    caps.push_back(measure_cap(path, soup_of(read_triangles(path, units))));
+    caps.push_back(measure_cap(path, soup_of(read_triangles(path, unit))));
   return caps;
 }
 

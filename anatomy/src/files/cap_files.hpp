@@ -1,6 +1,7 @@
 // Reads cap files. Each holds the triangles that close one end of the vessel.
 #pragma once
 #include "core/types.hpp"
+#include "files/length_unit.hpp"
 
 namespace anatomy {
 
@@ -12,7 +13,7 @@ struct GivenCap {
   Soup triangles;
 };
 
-/// Reads the caps; `units` is the surface's unit. Throws InputError as read_triangles does, and for a cap without area.
-std::vector<GivenCap> read_caps(const std::vector<std::string>& paths, const std::string& units);
+/// Reads the caps; `unit` is the surface's. Throws InputError as read_triangles does, and for a cap without area.
+std::vector<GivenCap> read_caps(const std::vector<std::string>& paths, LengthUnit unit);
 
 } // namespace anatomy

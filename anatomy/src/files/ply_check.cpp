@@ -35,7 +35,7 @@ struct Element {
 };
 
 struct Header {
-  std::string format;
+  std::string format; ///< as the file names it: see coding_of()
   std::vector<Element> elements;
   std::streamoff body = 0;
 };
@@ -114,9 +114,20 @@ bool names_vertices(const Property& property) {
   return !property.count_type.empty() && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
+// How the body's numbers are written.
+enum class Coding { text, little_endian, big_endian };
+
+Coding coding_of(const Header& header, const std::string& path) {
+  if (header.format == "ascii")
+    return Coding::text;
+  if (header.format == "binary_little_endian")
+    return Coding::little_endian;
+  if (header.format == "binary_big_endian")
+    return Coding::big_endian;
+  refuse(path, "header, format", header.format.empty() ? "missing" : header.format);
+}
+
 void check_elements(const Header& header, const std::string& path) {
-  if (header.format != "ascii" && header.format != "binary_little_endian" && header.format != "binary_big_endian")
-    refuse(path, "header, format", header.format.empty() ? "missing" : header.format);
   const auto& elements = header.elements;
   if (elements.size() < 2 || elements[0].name != "vertex" || elements[1].name != "face")
     refuse(path, "header, elements", "not vertex and face in this order");
@@ -221,12 +232,13 @@ void check_binary(std::ifstream& file, const Element& element, const std::string
 void check_ply(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const Header header = header_of(file, path);
+  const Coding coding = coding_of(header, path);
   check_elements(header, path);
   for (std::size_t i = 0; i < 2; ++i) // VTK reads no other elements
-    if (header.format == "ascii")
+    if (coding == Coding::text)
       check_text(file, header.elements[i], path, header.elements[0].count);
     else
-      check_binary(file, header.elements[i], path, header.elements[0].count, header.format == "binary_big_endian");
+      check_binary(file, header.elements[i], path, header.elements[0].count, coding == Coding::big_endian);
 }
 
 } // namespace anatomy

@@ -152,28 +152,29 @@ std::string figure(double value) {
   return text.str();
 }
 
-// A unit in which `size` lies between lowest and highest (mm), or "" if none does. `size` is in mm under the declared
-// unit.
-std::string likely_unit(double size, const std::string& units, double lowest, double highest) {
-  for (const std::string candidate : {"mm", "cm", "m"}) {
-    const double scaled = size / millimetres_per(units) * millimetres_per(candidate);
+// A unit in which `size` lies between lowest and highest (mm), or nothing if it does in none. `size` is in mm under the
+// declared unit.
+std::optional<LengthUnit> likely_unit(double size, LengthUnit declared, double lowest, double highest) {
+  for (const LengthUnit candidate : {LengthUnit::mm, LengthUnit::cm, LengthUnit::m}) {
+    const double scaled = size / millimetres_per(declared) * millimetres_per(candidate);
     if (scaled >= lowest && scaled <= highest)
       return candidate;
   }
-  return "";
+  return std::nullopt;
 }
 
 // Throws InputError, with the likely unit, if `size` (mm) is not between lowest and highest (mm).
-void check_range(double size, double lowest, double highest, const std::string& what, const std::string& units,
+void check_range(double size, double lowest, double highest, const std::string& what, LengthUnit unit,
                  const std::string& path) {
   if (size >= lowest && size <= highest)
     return;
-  const std::string likely = likely_unit(size, units, lowest, highest);
+  const std::optional<LengthUnit> likely = likely_unit(size, unit, lowest, highest);
   throw InputError("implausible scale for a coronary lumen", path,
-                   what + " " + figure(size) + " mm with units " + units + ", expected " + figure(lowest) + " to " +
-                       figure(highest) + " mm",
-                   (likely.empty() ? "check the units (--units, units in a case file)"
-                                   : "if the file is in " + likely + ", declare units " + likely) +
+                   what + " " + figure(size) + " mm with units " + text_of(unit) + ", expected " + figure(lowest) +
+                       " to " + figure(highest) + " mm",
+                   (likely
+                        ? std::string("if the file is in ") + text_of(*likely) + ", declare units " + text_of(*likely)
+                        : "check the units (--units, units in a case file)") +
                        "; if it is not, cut away what is no coronary artery");
 }
 
@@ -200,10 +201,9 @@ void check_indices(vtkPolyData* data, const std::string& path) {
 }
 
 // Reads a file of any kind as triangles in mm. Throws InputError for fewer than `fewest` triangles.
-vtkSmartPointer<vtkPolyData> in_millimetres(const std::string& path, const std::string& units,
-                                            const std::vector<int>& labels, vtkIdType fewest, std::optional<Vec3> inlet,
-                                            std::vector<Repair>& repairs) {
-  const double scale = millimetres_per(units);
+vtkSmartPointer<vtkPolyData> in_millimetres(const std::string& path, LengthUnit unit, const std::vector<int>& labels,
+                                            vtkIdType fewest, std::optional<Vec3> inlet, std::vector<Repair>& repairs) {
+  const double scale = millimetres_per(unit);
   if (inlet)
     inlet = *inlet / scale; // in the file's unit
   check_there(path);
@@ -255,38 +255,27 @@ double voxel_edge(vtkPolyData* data) {
   return edge ? edge->GetTuple1(0) : 0;
 }
 
-double millimetres_per(const std::string& units) {
-  if (units == "mm")
-    return 1;
-  if (units == "cm")
-    return 10;
-  if (units == "m")
-    return 1000;
-  throw InputError("unknown length unit", "units", units, "declare mm, cm or m (--units, units in a case file)");
-}
-
-void check_diagonal(double diagonal_mm, const std::string& units, const std::string& path) {
+void check_diagonal(double diagonal_mm, LengthUnit unit, const std::string& path) {
   // The limits are half the length of the shortest stent, and the size of a heart with its aorta. A vessel in the wrong
   // unit may be within them; check_mean_radius finds it.
-  check_range(diagonal_mm, 4, 500, "bounding diagonal", units, path);
+  check_range(diagonal_mm, 4, 500, "bounding diagonal", unit, path);
 }
 
-void check_mean_radius(double radius_mm, const std::string& units, const std::string& path) {
+void check_mean_radius(double radius_mm, LengthUnit unit, const std::string& path) {
   // Mean radii of coronary arteries, even ectatic ones, are 0.6 to 3 mm. Declared in a wrong unit they are out of the
   // range below.
-  check_range(radius_mm, 0.3, 6, "mean radius", units, path);
+  check_range(radius_mm, 0.3, 6, "mean radius", unit, path);
 }
 
-vtkSmartPointer<vtkPolyData> read_triangles(const std::string& path, const std::string& units) {
+vtkSmartPointer<vtkPolyData> read_triangles(const std::string& path, LengthUnit unit) {
   std::vector<Repair> repairs; // stays empty, since only masks cause repairs here
-  return in_millimetres(path, units, {}, 1, std::nullopt, repairs);
+  return in_millimetres(path, unit, {}, 1, std::nullopt, repairs);
 }
 
-vtkSmartPointer<vtkPolyData> read_surface(const std::string& path, const std::string& units,
-                                          const std::vector<int>& labels, std::vector<Repair>& repairs,
-                                          const std::optional<Vec3>& inlet) {
-  const auto data = in_millimetres(path, units, labels, 4, inlet, repairs);
-  check_diagonal(data->GetLength(), units, path);
+vtkSmartPointer<vtkPolyData> read_surface(const std::string& path, LengthUnit unit, const std::vector<int>& labels,
+                                          std::vector<Repair>& repairs, const std::optional<Vec3>& inlet) {
+  const auto data = in_millimetres(path, unit, labels, 4, inlet, repairs);
+  check_diagonal(data->GetLength(), unit, path);
   return data;
 }
 

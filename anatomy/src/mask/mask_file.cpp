@@ -38,13 +38,21 @@ constexpr double wall_contact_share = 0.2; // labels that touch a larger share o
 // Least volume of a voxel over the product of its edges. Skewed voxels have far more.
 constexpr double flattest_voxel = 1e-6;
 
-std::string suffix_of(const std::string& path) {
+enum class MaskFormat { nifti, nrrd, meta };
+
+// The format by the file's suffix; nothing if the suffix is no mask's.
+std::optional<MaskFormat> format_of(const std::string& path) {
   std::string lower = path;
   std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  for (const std::string suffix : {".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd"})
+  for (const auto& [suffix, format] : {std::pair{".nii", MaskFormat::nifti},
+                                       {".nii.gz", MaskFormat::nifti},
+                                       {".nrrd", MaskFormat::nrrd},
+                                       {".nhdr", MaskFormat::nrrd},
+                                       {".mha", MaskFormat::meta},
+                                       {".mhd", MaskFormat::meta}})
     if (lower.ends_with(suffix))
-      return suffix;
-  return "";
+      return format;
+  return std::nullopt;
 }
 
 // Affine from voxel index to the frame of a NIfTI file: its sform, else its qform, else the voxel sizes. VTK's matrices
@@ -251,21 +259,21 @@ void report_neighbours(vtkImageData* labels, int label, std::vector<Repair>& rep
 } // namespace
 
 bool is_mask_file(const std::string& path) {
-  return !suffix_of(path).empty();
+  return format_of(path).has_value();
 }
 
 Mask read_mask(const std::string& path) {
   Mask mask;
   vtkSmartPointer<vtkImageData> image;
-  const std::string suffix = suffix_of(path);
+  const std::optional<MaskFormat> format = format_of(path);
   const auto check_length = [&](vtkImageReader2& reader) {
     const int* extent = reader.GetDataExtent();
     std::uintmax_t bytes = static_cast<std::uintmax_t>(vtkDataArray::GetDataTypeSize(reader.GetDataScalarType()));
     for (int k = 0; k < 6; k += 2)
       bytes *= static_cast<std::uintmax_t>(std::max(0, extent[k + 1] - extent[k] + 1));
-    if (suffix == ".nrrd" || suffix == ".nhdr")
+    if (format == MaskFormat::nrrd)
       check_nrrd_length(path, bytes);
-    else if (suffix.starts_with(".nii"))
+    else if (format == MaskFormat::nifti)
       check_nifti_length(path, bytes);
     else
       check_meta_length(path, bytes);
@@ -282,12 +290,12 @@ Mask read_mask(const std::string& path) {
       throw InputError("the mask cannot be read", path, "incomplete or of an unknown encoding",
                        "export the mask again");
   };
-  if (suffix.starts_with(".nii")) {
+  if (format == MaskFormat::nifti) {
     check_nifti_header(path);
     vtkNew<vtkNIFTIImageReader> reader;
     read(*reader);
     mask.to_file = nifti_affine(*reader);
-  } else if (suffix == ".nrrd" || suffix == ".nhdr") {
+  } else if (format == MaskFormat::nrrd) {
     mask.to_file = nrrd_affine(path);
     vtkNew<vtkNrrdReader> reader;
     read(*reader);

@@ -16,7 +16,7 @@ constexpr double few_voxels_error = 25; // for a still larger radius, up to fewe
 
 // Possible error in per cent of an area (mm2); 0 if the voxels are small enough for it.
 double area_error(double area, const Voxels& voxels) {
-  const double radius = std::sqrt(area / M_PI);
+  const double radius = std::sqrt(area / pi);
   if (radius >= fewest_voxels * voxels.edge)
     return 0;
   if (radius < thread_voxels * voxels.edge)
@@ -31,8 +31,8 @@ void note_few_voxels(const std::vector<Branch>& branches, const std::vector<Sect
   const Section* narrowest = nullptr;
   std::size_t count = 0, measured = 0;
   for (const Section& section : sections) {
-    measured += section.flag != "end";
-    if (section.flag == "end" || area_error(section.area, voxels) == 0)
+    measured += section.flag != SectionFlag::end;
+    if (section.flag == SectionFlag::end || area_error(section.area, voxels) == 0)
       continue;
     ++count;
     if (!narrowest || section.area < narrowest->area)

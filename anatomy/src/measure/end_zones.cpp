@@ -14,7 +14,7 @@ struct WidestPlace {
   double s = 0, diameter = 0, ratio = 0;
 };
 
-// Of the inscribed balls between two arc lengths (mm), the one with the largest ratio of diameter to reference.
+// Of the inscribed spheres between two arc lengths (mm), the one with the largest ratio of diameter to reference.
 WidestPlace widest_between(const Branch& branch, const ReferenceProfile& profile, double from, double to) {
   WidestPlace best;
   for (std::size_t i = 0; i < branch.s.size(); ++i) {
@@ -72,12 +72,12 @@ void note_narrow_ends(const std::vector<Branch>& branches, const std::vector<Sec
     if (measured.empty())
       continue;
     const auto note = [&](const DiameterSample& next, double from, double to) {
-      // The larger of two diameters counts. The inscribed ball is too small where the axis is off the lumen's centre.
+      // The larger of two diameters counts. The inscribed sphere is too small where the axis is off the lumen's centre.
       // The section is too small where a slanted end cuts it.
       const auto stenosis = [&](double s) {
-        const double by_ball = next.diameter * branch.radius_at(s) / branch.radius_at(next.s);
+        const double by_sphere = next.diameter * branch.radius_at(s) / branch.radius_at(next.s);
         const Section* section = nearest_section(branch, sections, b, s);
-        return 100 * (1 - std::max(by_ball, section->equivalent_diameter()) / profiles[b].diameter(s));
+        return 100 * (1 - std::max(by_sphere, section->equivalent_diameter()) / profiles[b].diameter(s));
       };
       double worst = 0, at = next.s;
       for (double s : branch.s)

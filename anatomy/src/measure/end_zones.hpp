@@ -6,7 +6,7 @@ namespace anatomy {
 
 /// Warns if a lesion lies within 2.5 radii of an end and the vessel between the two is wider than the reference. The
 /// reference comes from sections at least 1.5 radii from the ends, so it misses a healthy vessel at the end alone.
-/// Wider means that an inscribed ball exceeds the reference by 10 %, more than an ostium's mouth widens a vessel. The
+/// Wider means that an inscribed sphere exceeds the reference by 10 %, more than an ostium's mouth widens a vessel. The
 /// warning also states the stenosis by that width.
 void note_wide_ends(const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles,
                     const std::vector<Lesion>& lesions, std::vector<Repair>& notes);

@@ -38,7 +38,8 @@ void note_fused_vessels(const std::vector<Branch>& branches, const std::vector<S
     for (const Section& section : sections) {
       if (section.branch != b)
         continue;
-      const bool fused = section.flag == "ok" && section.max_diameter > fused_flatness * section.min_diameter &&
+      const bool fused = section.flag == SectionFlag::ok &&
+                         section.max_diameter > fused_flatness * section.min_diameter &&
                          section.equivalent_diameter() > fused_width_ratio * profiles[b].diameter(s_of(&section));
       if (fused)
         stretch.push_back(&section);

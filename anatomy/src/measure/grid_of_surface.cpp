@@ -38,7 +38,7 @@ struct Spectrum {
   Spectrum(const std::vector<double>& count, std::size_t vertices)
       : step(0.2 / (bin_width * static_cast<double>(count.size()))) {
     for (double f = first; f < 1 / finest_spacing; f += step) {
-      const Complex turn = std::polar(1.0, 2 * M_PI * f * bin_width);
+      const Complex turn = std::polar(1.0, 2 * pi * f * bin_width);
       Complex sum = 0, at = 1;
       for (double n : count) {
         sum += n * at;

@@ -74,7 +74,7 @@ Lesion measure_lesion(const SectionRun& run, const ReferenceProfile& profile, st
   lesion.s_mla = narrowest.s;
   lesion.s_end = run.back().s;
   lesion.mld = narrowest.diameter;
-  lesion.mla = M_PI / 4 * lesion.mld * lesion.mld;
+  lesion.mla = pi / 4 * lesion.mld * lesion.mld;
   lesion.reference = profile.diameter(lesion.s_mla);
   lesion.proximal_reference = profile.diameter(lesion.s_start);
   lesion.distal_reference = profile.diameter(lesion.s_end);

@@ -44,7 +44,7 @@ class FourierModes {
 public:
   explicit FourierModes(std::size_t n) {
     for (std::size_t k = 0; k < n; ++k)
-      turn_.push_back(std::polar(1.0, 2 * M_PI * static_cast<double>(k) / static_cast<double>(n)));
+      turn_.push_back(std::polar(1.0, 2 * pi * static_cast<double>(k) / static_cast<double>(n)));
   }
   Complex turn(int m, std::size_t k) const {
     const auto n = static_cast<std::ptrdiff_t>(turn_.size());
@@ -99,7 +99,7 @@ double mean_radius_scatter(const std::vector<Vec2>& outline, double edge) {
   double power = 0;
   for (int m = first; m <= last; ++m) {
     // The wall is straight between its points, which weakens a wave of its noise by sinc^2. The division undoes this.
-    const double x = M_PI * m * edge / length, passed = std::pow(std::sin(x) / x, 2);
+    const double x = pi * m * edge / length, passed = std::pow(std::sin(x) / x, 2);
     power += std::norm(fourier.amplitude(off, m)) / (passed * passed);
   }
   return std::sqrt(power / (last - first + 1));

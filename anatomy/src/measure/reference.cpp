@@ -250,8 +250,9 @@ std::vector<DiameterSample> diameter_samples(const std::vector<Branch>& branches
                                              std::size_t branch) {
   std::vector<DiameterSample> out;
   for (const Section& section : sections)
-    if (section.branch == branch && section.flag != "end")
-      out.push_back({branches[branch].s[section.sample], section.equivalent_diameter(), section.flag == "ostium"});
+    if (section.branch == branch && section.flag != SectionFlag::end)
+      out.push_back(
+          {branches[branch].s[section.sample], section.equivalent_diameter(), section.flag == SectionFlag::ostium});
   return out;
 }
 

@@ -29,7 +29,7 @@ RadiusProfile radii_along(std::vector<Section>& sections, std::size_t branch) {
   RadiusProfile profile;
   std::size_t first = 0;
   for (Section& section : sections) {
-    if (section.branch != branch || section.flag == "end")
+    if (section.branch != branch || section.flag == SectionFlag::end)
       continue;
     if (profile.section.empty())
       first = section.sample;
@@ -39,7 +39,8 @@ RadiusProfile radii_along(std::vector<Section>& sections, std::size_t branch) {
   const auto n = static_cast<Eigen::Index>(profile.section.size());
   profile.radius = profile.weight = Eigen::VectorXd::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i)
-    if (const Section* section = profile.section[static_cast<std::size_t>(i)]; section && section->flag == "ok") {
+    if (const Section* section = profile.section[static_cast<std::size_t>(i)];
+        section && section->flag == SectionFlag::ok) {
       profile.radius(i) = section->equivalent_diameter() / 2;
       // the variance of a mean radius falls as 1 / n with the n vertices round it, so as 1 / radius
       profile.weight(i) = profile.radius(i) / usual_radius;
@@ -139,7 +140,7 @@ Eigen::VectorXd smoothed(const RadiusProfile& profile, Eigen::Index stride, doub
 double area_noise(const std::vector<Section>& sections) {
   std::vector<double> found;
   for (const Section& section : sections)
-    if (section.flag == "ok" && section.scatter >= 0)
+    if (section.flag == SectionFlag::ok && section.scatter >= 0)
       found.push_back(section.scatter * std::sqrt(section.equivalent_diameter() / 2 / usual_radius));
   if (found.size() < fewest_for_noise)
     return 0;

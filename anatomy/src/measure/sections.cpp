@@ -9,7 +9,7 @@
 namespace anatomy {
 namespace {
 
-constexpr double arc_step = M_PI / 60; // angle between points of the curve that closes a section across a mouth
+constexpr double arc_step = pi / 60; // angle between points of the curve that closes a section across a mouth
 
 Vec2 centroid(const std::vector<Vec2>& loop) {
   Vec2 sum = Vec2::Zero();
@@ -41,7 +41,7 @@ void set_diameters(Section& section, const std::vector<Vec2>& loop) {
   const Vec2 c = centroid(loop);
   section.min_diameter = 1e300;
   for (int k = 0; k < 60; ++k) {
-    const double angle = k * M_PI / 60;
+    const double angle = k * pi / 60;
     const Vec2 d(std::cos(angle), std::sin(angle));
     const double chord = ray_length(loop, c, d) + ray_length(loop, c, -d);
     section.min_diameter = std::min(section.min_diameter, chord);
@@ -84,16 +84,16 @@ private:
 
 // A section's outline in the plane, closed across the mouths of other branches. The axis is the origin.
 // in_mouth: for each point of the loop, whether it lies on the wall of another branch or of a stub; inscribed: mm,
-// radius of the ball there. Across a mouth the outline follows the conic that fits the rest of it. The wall flares
+// radius of the sphere there. Across a mouth the outline follows the conic that fits the rest of it. The wall flares
 // towards a mouth, which widens the conic there. So its radius is at most that of the wall on the opposite side. It is
-// at least that of the ball.
+// at least that of the sphere.
 std::vector<Vec2> close_mouths(std::vector<Vec2> loop, std::vector<bool> in_mouth, double inscribed) {
   if (signed_area(loop) < 0) {
     std::reverse(loop.begin(), loop.end());
     std::reverse(in_mouth.begin(), in_mouth.end());
   }
   const auto first = std::find(in_mouth.begin(), in_mouth.end(), false) - in_mouth.begin();
-  if (first == std::ptrdiff_t(loop.size())) { // all is mouth: only the ball is known
+  if (first == std::ptrdiff_t(loop.size())) { // all is mouth: only the sphere is known
     for (Vec2& q : loop)
       q *= inscribed / q.norm();
     return loop;
@@ -172,25 +172,25 @@ std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>
       Section section;
       section.branch = b;
       section.sample = i;
-      section.flag = end ? "end" : "ok";
+      section.flag = end ? SectionFlag::end : SectionFlag::ok;
       std::vector<Vec2> flat;
       std::vector<bool> in_mouth;
       for (const Vec3& p : loop) {
         flat.push_back(frame.plane(p));
         if (is_on_cap(p, ends))
-          section.flag = "end";
+          section.flag = SectionFlag::end;
         in_mouth.push_back(
             flat.back().norm() > mouth_distance * branch.radius[i] &&
             (is_in_stub(p, b, branch.x[i], stubs) || (branches.size() > 1 && nearest_axis(branches, p).branch != b)));
       }
       if (std::find(in_mouth.begin(), in_mouth.end(), true) != in_mouth.end()) {
         flat = close_mouths(flat, in_mouth, branch.radius[i]);
-        if (section.flag == "ok")
-          section.flag = "ostium";
+        if (section.flag == SectionFlag::ok)
+          section.flag = SectionFlag::ostium;
       }
       section.area = std::abs(signed_area(flat));
       set_diameters(section, flat);
-      if (section.flag == "ok")
+      if (section.flag == SectionFlag::ok)
         section.scatter = mean_radius_scatter(flat, splits * edge_by_crossings(flat));
       sections.push_back(section);
     }

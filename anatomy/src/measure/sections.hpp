@@ -5,13 +5,20 @@
 
 namespace anatomy {
 
+/// Whether a section shows the vessel alone; see cut_sections().
+enum class SectionFlag {
+  ok,     ///< all of its outline is the branch's wall
+  ostium, ///< its outline is closed across the mouth of another branch or of a stub
+  end     ///< it is too near to a cap, or meets one
+};
+
 struct Section {
   std::size_t branch = 0;                              ///< index of its branch
   std::size_t sample = 0;                              ///< index of the axis sample it is cut at
   double area = 0, min_diameter = 0, max_diameter = 0; ///< mm2, mm, mm
-  std::string flag;                                    ///< ok, ostium or end: see cut_sections()
+  SectionFlag flag = SectionFlag::ok;
   double scatter = -1; ///< mm: standard deviation of the mean radius by the outline's roughness; negative if not known
-  double equivalent_diameter() const { return std::sqrt(4 * area / M_PI); }
+  double equivalent_diameter() const { return std::sqrt(4 * area / pi); }
 };
 
 /// One section at every axis sample of every branch, except the branch's first and last sample and those in its

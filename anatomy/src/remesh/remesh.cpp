@@ -20,7 +20,7 @@ Point on_wall(const Mesh& mesh, Vertex v, const WallTree& wall) {
 
 namespace {
 
-constexpr double narrow_corner = 30;         // degrees: a triangle with a smaller corner is narrow
+constexpr double narrow_angle = 30;          // degrees: a triangle with a smaller angle is narrow
 constexpr double most_narrow_share = 0.1;    // share of narrow triangles above which the mesh is remeshed again
 constexpr double loosening_edge_ratio = 0.6; // edge of the finer mesh in between, as a share of the wanted edge
 
@@ -42,7 +42,7 @@ void remesh_wall(Mesh& mesh, double edge, const WallTree& wall) {
 bool is_narrow(const Mesh& mesh) {
   const auto faces = mesh.faces();
   const auto count =
-      std::count_if(faces.begin(), faces.end(), [&](Face f) { return smallest_corner(mesh, f) < narrow_corner; });
+      std::count_if(faces.begin(), faces.end(), [&](Face f) { return smallest_angle(mesh, f) < narrow_angle; });
   return static_cast<double>(count) > most_narrow_share * static_cast<double>(mesh.number_of_faces());
 }
 
@@ -93,12 +93,12 @@ void check_remeshed(const Mesh& out, double edge) {
                                    "use a smaller edge");
 }
 
-double smallest_corner(const Mesh& mesh, Face f) {
+double smallest_angle(const Mesh& mesh, Face f) {
   double smallest = 180;
   for (Halfedge h : mesh.halfedges_around_face(mesh.halfedge(f))) {
     const Vec3 p = vec(mesh.point(mesh.target(h)));
     const Vec3 a = vec(mesh.point(mesh.source(h))) - p, b = vec(mesh.point(mesh.target(mesh.next(h)))) - p;
-    smallest = std::min(smallest, std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI);
+    smallest = std::min(smallest, std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / pi);
   }
   return smallest;
 }
@@ -112,7 +112,7 @@ Quality quality_of(const Mesh& mesh) {
     quality.smallest_edge_mm = std::min(quality.smallest_edge_mm, length);
   }
   for (Face f : mesh.faces()) {
-    const double angle = smallest_corner(mesh, f);
+    const double angle = smallest_angle(mesh, f);
     quality.min_angle_rim_deg = std::min(quality.min_angle_rim_deg, angle);
     if (angle < quality.min_angle_deg && !touches_cap(mesh, f)) {
       quality.min_angle_deg = angle;

@@ -19,13 +19,13 @@ void untangle(Mesh& mesh);
 /// Throws ComputationError if the mesh, remeshed at `edge` mm, crosses itself or is not closed.
 void check_remeshed(const Mesh& mesh, double edge);
 
-/// Smallest corner of a triangle, degrees.
-double smallest_corner(const Mesh& mesh, Face f);
+/// Smallest angle of a triangle, degrees.
+double smallest_angle(const Mesh& mesh, Face f);
 
 struct Quality {
-  double min_angle_deg = 0;         ///< smallest corner of a wall triangle away from the rims
+  double min_angle_deg = 0;         ///< smallest angle of a wall triangle away from the rims
   Vec3 min_angle_at = Vec3::Zero(); ///< its place, mm
-  double min_angle_rim_deg = 0;     ///< smallest corner of all triangles
+  double min_angle_rim_deg = 0;     ///< smallest angle of all triangles
   double smallest_edge_mm = 0;
   double volume_mm3 = 0;
 };

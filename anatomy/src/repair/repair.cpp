@@ -153,7 +153,7 @@ void close_t_junctions(Mesh& mesh, double tolerance, std::vector<Repair>& repair
 
 void fill_holes(Mesh& mesh, const IsGivenEnd& is_given_end, std::vector<Repair>& repairs) {
   for (const Loop& loop : boundary_loops(mesh)) {
-    if (is_open_end(mesh, loop) && std::sqrt(loop.area / M_PI) > smallest_end)
+    if (is_open_end(mesh, loop) && std::sqrt(loop.area / pi) > smallest_end)
       continue;
     if (is_given_end && is_given_end(mesh, loop))
       continue;

@@ -9,22 +9,22 @@
 namespace anatomy {
 namespace {
 
-constexpr double trunk_radius = 4.5;      // mm; balls larger than this fill the trunk, so it is wider than 9 mm
+constexpr double trunk_radius = 4.5;      // mm; spheres larger than this fill the trunk, so it is wider than 9 mm
 constexpr double least_tree_length = 4.5; // mm outside the trunk: corners of the trunk's ends and sinuses reach less
 constexpr double widest_coronary = 12;    // mm, diameter of the widest ectatic arteries, single sacs excepted
 constexpr double aorta_with_one_end = 18; // mm, least width of an aorta closed at the valve; coronary sacs have less
 constexpr double widest_ostium = 9;       // mm, largest diameter of a coronary ostium
 constexpr double narrowest_ostium = 0.8;  // mm, smallest diameter of a coronary ostium
-// Numbers of the wall's vertices, roughly, from which the balls are computed: for the result, and for the quick test
-// may_hold_ball().
+// Numbers of the wall's vertices, roughly, from which the spheres are computed: for the result, and for the quick test
+// may_hold_sphere().
 constexpr std::size_t final_vertices = 60000, trial_vertices = 3000;
-constexpr double plane_step_radii = 0.25;     // distance between the planes that are tried across a tree, in ball radii
-constexpr double funnel_ratio = 1.15;         // in an ostium's funnel, balls one radius apart differ by a larger ratio
-constexpr double similar_area_ratio = 1.25;   // up to this ratio the areas of sections half a radius apart are alike
-constexpr double largest_section_ratio = 2.5; // in areas of the ball's circle; a larger section extends into the aorta
+constexpr double plane_step_radii = 0.25;   // distance between the planes that are tried across a tree, in sphere radii
+constexpr double funnel_ratio = 1.15;       // in an ostium's funnel, spheres one radius apart differ by a larger ratio
+constexpr double similar_area_ratio = 1.25; // up to this ratio the areas of sections half a radius apart are alike
+constexpr double largest_section_ratio = 2.5; // in areas of the sphere's circle; a larger one reaches into the aorta
 constexpr double longest_funnel = 20; // mm; the ostium's plane is sought within this length of the tree from the aorta
 constexpr double arch_direction_length = 15; // mm of the trunk's path that give the direction to the arch
-constexpr double tree_end_radii = 2;         // an end within this many ball radii of a tree's ball belongs to the tree
+constexpr double tree_end_radii = 2; // an end within this many sphere radii of a tree's sphere belongs to the tree
 constexpr double tree_tip_radii = 4; // the same for a tip of the surface; a corner of a cap is a tip at about 1.5
 // Least prominence (mm along the surface) of a vessel that is reported as lost.
 constexpr double least_lost_prominence = 10;
@@ -38,31 +38,31 @@ std::size_t vertex_stride(const Mesh& mesh, std::size_t vertices) {
   return mesh.number_of_vertices() / vertices + 1;
 }
 
-// Whether a ball of more than `radius` (mm) may fit into the lumen. The test is quick as it uses only a part of the
-// vertices. This makes no ball smaller, so a "no" is certain.
-bool may_hold_ball(const Mesh& mesh, double radius) {
-  const Balls balls = inner_balls(mesh, {}, vertex_stride(mesh, trial_vertices));
-  return std::any_of(balls.radius.begin(), balls.radius.end(), [&](double r) { return r > radius; });
+// Whether a sphere of more than `radius` (mm) may fit into the lumen. The test is quick as it uses only a part of the
+// vertices. This makes no sphere smaller, so a "no" is certain.
+bool may_hold_sphere(const Mesh& mesh, double radius) {
+  const InscribedSpheres spheres = inscribed_spheres(mesh, {}, vertex_stride(mesh, trial_vertices));
+  return std::any_of(spheres.radius.begin(), spheres.radius.end(), [&](double r) { return r > radius; });
 }
 
 // Finds the plane across a tree where the funnel of its ostium has ended, and sets the tree's ostium and diameter. If
 // there is no such plane, the diameter stays 0. `scale` as in find_aorta().
 void find_ostium(const Mesh& mesh, const Slices& slices, double scale, CoronaryTree& tree) {
-  const BallPath& path = tree.offshoot.path;
+  const SpherePath& path = tree.offshoot.path;
   const double from = tree.offshoot.outside_length, until = std::max(0.0, from - longest_funnel * scale);
   for (double where = from; where > until; where -= plane_step_radii * path.radius[path.index_at(where)]) {
-    const double ball = path.radius[path.index_at(where)];
-    tree.ostium = {path.centre(where), -vessel_direction(mesh, path, where), ball};
-    if (where > ball && ball > funnel_ratio * path.radius[path.index_at(where - ball)])
+    const double inscribed = path.radius[path.index_at(where)];
+    tree.ostium = {path.centre(where), -vessel_direction(mesh, path, where), inscribed};
+    if (where > inscribed && inscribed > funnel_ratio * path.radius[path.index_at(where - inscribed)])
       continue;
     const SectionSize here = slices.section_size({tree.ostium.centre, tree.ostium.normal});
-    if (here.area <= 0 || here.area > largest_section_ratio * M_PI * ball * ball)
+    if (here.area <= 0 || here.area > largest_section_ratio * pi * inscribed * inscribed)
       continue;
-    const Vec3 further = tree.ostium.centre + 0.5 * std::sqrt(here.area / M_PI) * tree.ostium.normal;
+    const Vec3 further = tree.ostium.centre + 0.5 * std::sqrt(here.area / pi) * tree.ostium.normal;
     const double area = slices.section_size({further, tree.ostium.normal}).area;
     if (area > here.area / similar_area_ratio && area < here.area * similar_area_ratio) {
-      tree.ostium.radius = std::max(ball, section_cover * here.reach / square_half_width);
-      tree.diameter = 2 * std::sqrt(here.area / M_PI);
+      tree.ostium.radius = std::max(inscribed, section_cover * here.reach / square_half_width);
+      tree.diameter = 2 * std::sqrt(here.area / pi);
       return;
     }
   }
@@ -128,7 +128,7 @@ std::string name_by_order(const Trunk& trunk, const std::vector<End>& ends, doub
     return Vec3((d - d.dot(*up) * *up).normalized());
   };
   const Vec3 a = perpendicular(trees[0].ostium.centre), b = perpendicular(trees[1].ostium.centre);
-  const double angle = std::acos(std::clamp(a.dot(b), -1.0, 1.0)) * 180 / M_PI;
+  const double angle = std::acos(std::clamp(a.dot(b), -1.0, 1.0)) * 180 / pi;
   if (angle < least_ostia_angle || angle > most_ostia_angle) {
     char text[120];
     std::snprintf(text, sizeof text, "the ostia are %.0f degrees apart round the aorta", angle);
@@ -151,12 +151,12 @@ bool Aorta::is_evident(double scale) const {
 
 std::optional<Aorta> find_aorta(const Mesh& given, double scale) {
   const double radius = trunk_radius * scale;
-  if (!may_hold_ball(given, radius))
+  if (!may_hold_sphere(given, radius))
     return std::nullopt;
   Mesh mesh = given;
   const std::vector<End> all_ends = tagged_trunk_ends(mesh, radius);
   const std::optional<Trunk> trunk =
-      Trunk::of(inner_balls(mesh, all_ends, vertex_stride(mesh, final_vertices)), WallTree(mesh), radius);
+      Trunk::of(inscribed_spheres(mesh, all_ends, vertex_stride(mesh, final_vertices)), WallTree(mesh), radius);
   if (!trunk)
     return std::nullopt;
   std::vector<End> ends;
@@ -196,13 +196,13 @@ std::optional<Aorta> find_aorta(const Mesh& given, double scale) {
 
 double distance_in_radii(const CoronaryTree& tree, const Vec3& p) {
   double least = 1e300;
-  for (const auto& [centre, radius] : tree.offshoot.balls)
+  for (const auto& [centre, radius] : tree.offshoot.spheres)
     least = std::min(least, (centre - p).norm() / radius);
   return least;
 }
 
 std::optional<Plane> plane_across_tree(const Mesh& mesh, const CoronaryTree& tree, const Vec3& p) {
-  const BallPath& path = tree.offshoot.path;
+  const SpherePath& path = tree.offshoot.path;
   const auto nearest = std::min_element(path.points.begin(), path.points.end(),
                                         [&](const Vec3& a, const Vec3& b) { return (a - p).norm() < (b - p).norm(); });
   const double where = path.s[static_cast<std::size_t>(nearest - path.points.begin())];

@@ -15,12 +15,12 @@ struct CoronaryTree {
 };
 
 struct Aorta {
-  double diameter = 0;             ///< mm, of its largest inscribed ball
-  Vec3 centre = Vec3::Zero();      ///< mm, centre of that ball
+  double diameter = 0;             ///< mm, of its largest inscribed sphere
+  Vec3 centre = Vec3::Zero();      ///< mm, centre of that sphere
   std::size_t ends = 0;            ///< number of its own ends: open or flat, and wider than 9 mm
   std::vector<CoronaryTree> trees; ///< left before right if they are certain, else the longest first
   std::vector<End> stray_ends;     ///< ends of coronary size on no tree: a tree may be cut off just behind its ostium
-  std::vector<Vec3> lost_tips;     ///< mm, tips of vessels on the surface that no inscribed balls lead to
+  std::vector<Vec3> lost_tips;     ///< mm, tips of vessels on the surface that no inscribed spheres lead to
   std::string unnamed_reason;      ///< why left and right are not certain; empty if they are
 
   /// Whether this is certainly an aorta, even if the user does not say so. It has a coronary tree, and is wider than 12
@@ -39,7 +39,7 @@ std::optional<Aorta> find_aorta(const Mesh& mesh, double scale = 1);
 /// this place is in the aorta or no section surrounds it.
 std::optional<Plane> plane_across_tree(const Mesh& mesh, const CoronaryTree& tree, const Vec3& p);
 
-/// Least distance from p (mm) to the centre of one of the tree's inscribed balls, in radii of that ball.
+/// Least distance from p (mm) to the centre of one of the tree's inscribed spheres, in radii of that sphere.
 double distance_in_radii(const CoronaryTree& tree, const Vec3& p);
 
 } // namespace anatomy

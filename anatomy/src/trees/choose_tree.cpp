@@ -42,10 +42,10 @@ std::string remedy_of(const Aorta& aorta) {
 }
 
 // Throws InputError if the mesh looks like an aorta with coronary arteries in cm although the user declared mm.
-void check_not_in_cm(const Mesh& mesh, const std::string& units) {
+void check_not_in_cm(const Mesh& mesh, LengthUnit unit) {
   const CGAL::Bbox_3 box = PMP::bbox(mesh);
   const Vec3 size(box.xmax() - box.xmin(), box.ymax() - box.ymin(), box.zmax() - box.zmin());
-  if (units != "mm" || size.norm() > aorta_in_cm)
+  if (unit != LengthUnit::mm || size.norm() > aorta_in_cm)
     return;
   const std::optional<Aorta> aorta = find_aorta(mesh, cm_scale);
   if (!aorta || !aorta->is_evident(cm_scale))
@@ -78,9 +78,9 @@ std::string tree_line(const CoronaryTree& tree) {
   return text;
 }
 
-std::optional<Aorta> find_aorta_to_cut(const Mesh& mesh, const TreeChoice& choice, const std::string& units,
+std::optional<Aorta> find_aorta_to_cut(const Mesh& mesh, const TreeChoice& choice, LengthUnit unit,
                                        std::vector<Repair>& repairs) {
-  if (choice.name == "whole")
+  if (choice.whole)
     return std::nullopt;
   std::optional<Aorta> aorta = find_aorta(mesh);
   if (aorta && (aorta->is_evident() || (choice.is_given() && !aorta->trees.empty()))) {
@@ -96,7 +96,7 @@ std::optional<Aorta> find_aorta_to_cut(const Mesh& mesh, const TreeChoice& choic
                          true});
     return aorta;
   }
-  check_not_in_cm(mesh, units);
+  check_not_in_cm(mesh, unit);
   if (choice.is_given())
     throw InputError(aorta ? "no coronary tree found on the aorta" : "no aorta found", "--tree, --ostium",
                      aorta ? "a trunk " + std::to_string(aorta->diameter) + " mm wide at " + point_text(aorta->centre)

@@ -1,14 +1,16 @@
 // Chooses the coronary tree in a model with an aorta, and cuts it off at its ostium.
 #pragma once
+#include "files/length_unit.hpp"
 #include "trees/aorta.hpp"
 
 namespace anatomy {
 
 /// The user's statements about the tree; empty if there are none.
 struct TreeChoice {
-  std::string name;           ///< left, right, tree1, ...; with `whole` nothing is cut off
+  std::string name;           ///< left, right, tree1, ...
   std::optional<Vec3> ostium; ///< mm; a point on the tree, which is cut across there
   std::vector<Vec3> outlets;  ///< mm; points near the outlets, all of which are on the chosen tree
+  bool whole = false;         ///< the model is taken as it is: nothing is cut off
 
   bool is_given() const { return !name.empty() || ostium; }
 };
@@ -17,8 +19,8 @@ struct TreeChoice {
 /// or, if the user chooses a tree, any trunk wider than 9 mm with a tree. Warns of a trunk with two ends and a tree
 /// that is not evidently an aorta. Throws InputError if the mesh is an aorta with coronary arteries ten times too
 /// small, if the user chooses a tree and there is none, or if a vessel on the aorta cannot be followed.
-/// @param units length unit that the user declared
-std::optional<Aorta> find_aorta_to_cut(const Mesh& mesh, const TreeChoice& choice, const std::string& units,
+/// @param unit length unit that the user declared
+std::optional<Aorta> find_aorta_to_cut(const Mesh& mesh, const TreeChoice& choice, LengthUnit unit,
                                        std::vector<Repair>& repairs);
 
 /// The tree that the user's ostium, name or outlets choose, or the only tree. Throws InputError with the list of trees

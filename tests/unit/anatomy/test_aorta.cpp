@@ -31,7 +31,7 @@ Mesh tube_between(const Vec3& from, const Vec3& to, double radius, double edge) 
 Mesh aorta_with(double trunk_radius, const std::vector<double>& angles, double scale = 1) {
   Mesh all = tube_between(Vec3(0.01, 0.02, -15) * scale, Vec3(0.01, 0.02, 45) * scale, trunk_radius * scale, scale);
   for (std::size_t k = 0; k < angles.size(); ++k) {
-    const double a = angles[k] * M_PI / 180, far = trunk_radius + 25 + 5 * static_cast<double>(k);
+    const double a = angles[k] * pi / 180, far = trunk_radius + 25 + 5 * static_cast<double>(k);
     Mesh coronary =
         tube_between(Vec3((trunk_radius - 2.3) * std::cos(a), (trunk_radius - 2.3) * std::sin(a), 0.3) * scale,
                      Vec3(far * std::cos(a), far * std::sin(a), 0.3) * scale, 1.8 * scale, 0.5 * scale);
@@ -96,7 +96,7 @@ TEST(Aorta, LeftAndRightAreNotGuessed) {
 TEST(Aorta, TheTreeIsCutOffAtItsOstium) {
   Mesh mesh = aorta_with(12, {-85, 40});
   std::vector<Repair> repairs;
-  const auto aorta = find_aorta_to_cut(mesh, {}, "mm", repairs);
+  const auto aorta = find_aorta_to_cut(mesh, {}, LengthUnit::mm, repairs);
   ASSERT_TRUE(aorta);
   const CoronaryTree& right = choose_tree(*aorta, {"right", {}, {}});
   cut_tree_off_aorta(mesh, right, tree_cut_plane(mesh, right, {}), repairs);
@@ -125,12 +125,12 @@ TEST(Aorta, CentimetresTakenForMillimetresAreRefused) {
   const Mesh mesh = aorta_with(12, {-85, 40}, 0.1);
   std::vector<Repair> repairs;
   try {
-    find_aorta_to_cut(mesh, {}, "mm", repairs);
+    find_aorta_to_cut(mesh, {}, LengthUnit::mm, repairs);
     FAIL() << "accepted";
   } catch (const common::InputError& error) {
     EXPECT_NE(std::string(error.what()).find("declare units cm"), std::string::npos) << error.what();
   }
-  EXPECT_FALSE(find_aorta_to_cut(mesh, {"whole", {}, {}}, "mm", repairs)); // the user's word
+  EXPECT_FALSE(find_aorta_to_cut(mesh, {"", {}, {}, true}, LengthUnit::mm, repairs)); // the user's word
 }
 
 } // namespace

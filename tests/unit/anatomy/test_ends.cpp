@@ -138,7 +138,7 @@ Mesh prism(int corners, double radius, double length, double spacing) {
   const int rings = static_cast<int>(std::lround(length / spacing));
   for (int i = 0; i <= rings; ++i)
     for (int k = 0; k < corners; ++k) {
-      const double angle = 2 * M_PI * k / corners;
+      const double angle = 2 * pi * k / corners;
       soup.points.emplace_back(length * i / rings, radius * std::cos(angle), radius * std::sin(angle));
     }
   const auto id = [&](int i, int k) { return static_cast<std::size_t>(i * corners + k % corners); };

@@ -13,10 +13,10 @@ constexpr unsigned seeds = 200;
 std::vector<Vec2> circle(double radius, double edge, double noise, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
-  const auto n = static_cast<int>(2 * M_PI * radius / edge);
+  const auto n = static_cast<int>(2 * pi * radius / edge);
   std::vector<Vec2> outline;
   for (int k = 0; k < n; ++k) {
-    const double r = radius + noise * normal(random), angle = 2 * M_PI * k / n;
+    const double r = radius + noise * normal(random), angle = 2 * pi * k / n;
     outline.emplace_back(r * std::cos(angle), r * std::sin(angle));
   }
   return outline;
@@ -44,7 +44,7 @@ TEST(OutlineNoise, IsNoneInASmoothShape) {
   for (double bend : {0.0, 0.3}) {
     std::vector<Vec2> outline;
     for (int k = 0; k < 80; ++k) {
-      const double angle = 2 * M_PI * k / 80, x = 2.2 * std::cos(angle);
+      const double angle = 2 * pi * k / 80, x = 2.2 * std::cos(angle);
       outline.emplace_back(x, 0.75 * std::sin(angle) + bend * x * x / 2.2);
     }
     EXPECT_LT(2 * mean_radius_scatter(outline, 0.12) / 1.5, 0.6 * least_area_noise) << bend;

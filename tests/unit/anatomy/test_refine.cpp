@@ -33,7 +33,7 @@ TEST(Refine, MiddlesComeToTheTrueCylinder) {
         const Point& p = fine.point(v);
         EXPECT_NEAR(std::hypot(p.y(), p.z()), 1.5, 0.002); // the chords' middles lie 0.0075 inside
       }
-  const double truth = M_PI * 1.5 * 1.5 * 10;
+  const double truth = pi * 1.5 * 1.5 * 10;
   const auto missing = [&](const Mesh& m) { return 1 - enclosed_volume(m) / truth; };
   EXPECT_GT(missing(mesh), 0.005);
   EXPECT_LT(missing(fine), 0.3 * missing(mesh));

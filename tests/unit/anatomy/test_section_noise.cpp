@@ -9,7 +9,7 @@ namespace {
 constexpr double length = 40;
 
 double throat(double s) { // 66 % by diameter, 8 mm long
-  return 1.5 * (1 - 0.66 * (std::abs(s - 20) < 4 ? std::pow(std::cos(M_PI * (s - 20) / 8), 2) : 0));
+  return 1.5 * (1 - 0.66 * (std::abs(s - 20) < 4 ? std::pow(std::cos(pi * (s - 20) / 8), 2) : 0));
 }
 
 double taper(double s) {
@@ -34,12 +34,14 @@ Cut cut(double step, double noise, unsigned seed, double (*radius)(double) = thr
     branch.radius.push_back(radius(s));
     Section section;
     section.sample = branch.s.size() - 1;
-    section.scatter = noise * std::sqrt(0.2 / (2 * M_PI * radius(s)));
+    section.scatter = noise * std::sqrt(0.2 / (2 * pi * radius(s)));
     const double r = radius(s) + section.scatter * normal(random);
-    section.area = M_PI * r * r;
+    section.area = pi * r * r;
     section.min_diameter = 1.9 * r;
     section.max_diameter = 2.1 * r;
-    section.flag = s < 2 || s > last - 2 ? "end" : std::abs(s - 30) < 1 ? "ostium" : "ok";
+    section.flag = s < 2 || s > last - 2  ? SectionFlag::end
+                   : std::abs(s - 30) < 1 ? SectionFlag::ostium
+                                          : SectionFlag::ok;
     out.sections.push_back(section);
   }
   out.branches.push_back(branch);
@@ -49,8 +51,8 @@ Cut cut(double step, double noise, unsigned seed, double (*radius)(double) = thr
 double scatter(const Cut& c) {
   double sum = 0, squares = 0, n = 0;
   for (const Section& section : c.sections)
-    if (section.flag == "ok") {
-      const double ratio = section.area / (M_PI * std::pow(c.radius(c.branches[0].s[section.sample]), 2));
+    if (section.flag == SectionFlag::ok) {
+      const double ratio = section.area / (pi * std::pow(c.radius(c.branches[0].s[section.sample]), 2));
       sum += ratio;
       squares += ratio * ratio;
       ++n;
@@ -74,7 +76,7 @@ TEST(SectionNoise, LeavesAreasWithoutNoiseToTheBit) {
 constexpr unsigned drawn_walls = 60;
 
 TEST(SectionNoise, IsFound) {
-  const double expected = 2 * 0.05 / 1.5 * std::sqrt(0.2 / (2 * M_PI * 1.5));
+  const double expected = 2 * 0.05 / 1.5 * std::sqrt(0.2 / (2 * pi * 1.5));
   for (double step : {0.25, 0.5})
     EXPECT_NEAR(area_noise(cut(step, 0.05, 1).sections) / expected, 1, 0.01) << step;
 }
@@ -94,7 +96,7 @@ TEST(SectionNoise, IsNotWhatChangesAlongTheVessel) {
 }
 
 TEST(SectionNoise, IsTakenOutButNotTheLesion) {
-  const double throat_noise = 0.05 * std::sqrt(0.2 / (2 * M_PI * throat(20))) / throat(20);
+  const double throat_noise = 0.05 * std::sqrt(0.2 / (2 * pi * throat(20))) / throat(20);
   for (double step : {0.25, 0.5}) {
     double squares_before = 0, squares_after = 0, squares_at_throat = 0;
     for (unsigned seed = 1; seed <= drawn_walls; ++seed) {
@@ -110,7 +112,7 @@ TEST(SectionNoise, IsTakenOutButNotTheLesion) {
       squares_after += after * after;
       for (std::size_t i = 0; i < given.sections.size(); ++i) {
         const Section& section = given.sections[i];
-        if (section.flag != "ok") {
+        if (section.flag != SectionFlag::ok) {
           EXPECT_EQ(section.area, cut_areas[i].area);
         }
         EXPECT_NEAR(section.min_diameter / section.equivalent_diameter(), 0.95, 1e-9);

@@ -43,11 +43,11 @@ TEST(Tree, StraightTube) {
     EXPECT_NEAR(main.radius[i], 1.5, 0.03);
   }
   for (const Section& section : tube.sections) {
-    if (section.flag == "end")
+    if (section.flag == SectionFlag::end)
       continue;
-    EXPECT_EQ(section.flag, "ok");
+    EXPECT_EQ(section.flag, SectionFlag::ok);
     // a polygon of 24 to 48 corners in the circle has 0.989 to 0.993 of its area
-    EXPECT_NEAR(section.area / (M_PI * 1.5 * 1.5), 0.991, 0.003);
+    EXPECT_NEAR(section.area / (pi * 1.5 * 1.5), 0.991, 0.003);
     EXPECT_NEAR(section.min_diameter, 2.96, 0.04);
     EXPECT_NEAR(section.max_diameter, 2.99, 0.02);
   }
@@ -75,7 +75,7 @@ TEST(Tree, EveryEndSectionIsFlagged) {
   const Measured tube = measured(shapes::straight(1.5, 12));
   for (const Section& section : tube.sections) {
     const double s = tube.branches[0].s[section.sample];
-    EXPECT_EQ(section.flag == "end",
+    EXPECT_EQ(section.flag == SectionFlag::end,
               s < 1.5 * tube.branches[0].radius.front() || s > 12 - 1.5 * tube.branches[0].radius.back())
         << s;
   }
@@ -85,7 +85,7 @@ TEST(Lesions, FoundWithTheirReference) {
   shapes::Tube tube = shapes::straight(1.6, 40);
   const auto healthy = [](double s) { return 1.6 - 0.01 * s; };
   tube.radius = [&](double s) {
-    return std::abs(s - 22) < 5 ? healthy(s) * (1 - 0.5 * 0.5 * (1 + std::cos(M_PI * (s - 22) / 5))) : healthy(s);
+    return std::abs(s - 22) < 5 ? healthy(s) * (1 - 0.5 * 0.5 * (1 + std::cos(pi * (s - 22) / 5))) : healthy(s);
   };
   const Measured out = measured(tube);
   std::vector<Repair> notes;
@@ -113,8 +113,8 @@ std::vector<Lesion> two_narrowings(double between, bool mouth) {
     const double lacking = s < 10 || s > 25 ? 0 : s < 15 ? 60 : s > 20 ? 40 : between;
     Section section;
     section.sample = i;
-    section.area = M_PI / 4 * 9 * (1 - lacking / 100) * (1 - lacking / 100);
-    section.flag = mouth && s >= 15 && s <= 20 ? "ostium" : "ok";
+    section.area = pi / 4 * 9 * (1 - lacking / 100) * (1 - lacking / 100);
+    section.flag = mouth && s >= 15 && s <= 20 ? SectionFlag::ostium : SectionFlag::ok;
     sections.push_back(section);
   }
   return find_lesions(branches, sections, {ReferenceProfile{{3, 0}, {}, {}}});
@@ -137,8 +137,8 @@ std::vector<Section> sections_every_quarter(Branch& branch, const std::function<
   for (double s = 0; s <= length; s += 0.25) {
     Section section;
     section.sample = branch.s.size();
-    section.area = M_PI / 4 * diameter(s) * diameter(s);
-    section.flag = "ok";
+    section.area = pi / 4 * diameter(s) * diameter(s);
+    section.flag = SectionFlag::ok;
     branch.s.push_back(s);
     sections.push_back(section);
   }
@@ -203,8 +203,8 @@ std::vector<Section> sections_of(std::vector<Branch>& branches, const std::funct
       Section section;
       section.branch = b;
       section.sample = i;
-      section.area = M_PI / 4 * d * d;
-      section.flag = "ok";
+      section.area = pi / 4 * d * d;
+      section.flag = SectionFlag::ok;
       sections.push_back(section);
     }
   return sections;
@@ -218,7 +218,7 @@ void add_side(std::vector<Branch>& branches, std::vector<Section>& sections, dou
   for (std::size_t i = 80; i < 160; ++i) {
     Section section = sections[i];
     section.branch = 2;
-    section.area = M_PI / 4 * diameter * diameter;
+    section.area = pi / 4 * diameter * diameter;
     sections.push_back(section);
   }
 }
@@ -396,8 +396,8 @@ TEST(Reference, IsFoundWhereNoneOfTheWideSectionsIsDrawn) {
     branches[0].s.push_back(0.25 * static_cast<double>(i));
     const double d = i % 3 == 0 ? 2.0 : 2.6;
     sections[i].sample = i;
-    sections[i].area = M_PI / 4 * d * d;
-    sections[i].flag = "ok";
+    sections[i].area = pi / 4 * d * d;
+    sections[i].flag = SectionFlag::ok;
   }
   std::vector<Repair> notes;
   EXPECT_NEAR(reference_profiles(branches, sections, notes)[0].diameter(20), 2.6, 0.05);
@@ -411,8 +411,8 @@ ReferenceProfile profile_at_spacing(double spacing, const std::function<double(d
   for (std::size_t i = 0; i < sections.size(); ++i) {
     branches[0].s.push_back(spacing * static_cast<double>(i));
     sections[i].sample = i;
-    sections[i].area = M_PI / 4 * std::pow(diameter(branches[0].s.back()), 2);
-    sections[i].flag = "ok";
+    sections[i].area = pi / 4 * std::pow(diameter(branches[0].s.back()), 2);
+    sections[i].flag = SectionFlag::ok;
   }
   return reference_profiles(branches, sections, notes)[0];
 }

@@ -30,12 +30,12 @@ inline Tube arc(double k, double radius, double length) {
 inline Soup soup_of(const Tube& tube) {
   Soup soup;
   const int rings = static_cast<int>(std::lround(tube.length / tube.edge));
-  const int around = static_cast<int>(std::lround(2 * M_PI * tube.radius(0) / tube.edge));
+  const int around = static_cast<int>(std::lround(2 * pi * tube.radius(0) / tube.edge));
   for (int i = 0; i <= rings; ++i) {
     const double s = tube.length * i / rings;
     const Vec3 t = tube.tangent(s), u = t.cross(Vec3(0, 0, 1)).normalized(), v = t.cross(u);
     for (int k = 0; k < around; ++k) {
-      const double angle = 2 * M_PI * (k + 0.5 * (i % 2)) / around;
+      const double angle = 2 * pi * (k + 0.5 * (i % 2)) / around;
       soup.points.push_back(point(tube.axis(s) + tube.radius(s) * (std::cos(angle) * u + std::sin(angle) * v)));
     }
   }

@@ -29,7 +29,7 @@ def rounded(tmp_path_factory):
 
 @pytest.mark.parametrize("corners, spacing", [(24, 0.5), (12, 0.8)])
 def test_coarse_lofts_with_rounded_ends(summary_of, tmp_path, corners, spacing):
-    """At the seams of coarse lofts the inner balls of the vertices alone do not connect."""
+    """At the seams of coarse lofts the inscribed spheres of the vertices alone do not connect."""
     pieces = []
     for a, b, r0, r1 in ((TREE[0]), ((16, 0, 0), (16 + 14 * np.cos(0.9), 14 * np.sin(0.9), 0.3), 0.8, 0.7)):
         length = float(np.linalg.norm(np.subtract(b, a)))
@@ -48,7 +48,8 @@ def reported(summary, what):
 
 @pytest.mark.parametrize("edge, noise, seed", [(0.15, 0.04, 3), (0.2, 0.06, 3), (0.2, 0.05, 1)])
 def test_rough_flat_ends(summary_of, tmp_path, edge, noise, seed):
-    """A part of a rough cap is no end. Its farthest vertex lies on the rim, in a corner that no inner ball touches."""
+    """A part of a rough cap is no end. Its farthest vertex lies on the rim, in a corner that no inscribed sphere
+    touches."""
     points, triangles = surfaces.tube(surfaces.straight, lambda s: np.interp(s, [2, 10], [1.8, 0.8]), 12, edge)
     summary = summary_of(surfaces.write(tmp_path / "t.stl", lofts.noised(points, noise, seed), triangles))
     inlet, outlet = summary["ends"]
@@ -88,7 +89,7 @@ def test_rounded_ends_are_cut_across_the_axis(summary_of, rounded):
         assert end["diameter_mm"] == pytest.approx(2 * r1, rel=0.03)
 
 
-@pytest.mark.parametrize("seed", [1, 4])  # with 4 a tip's vertex stands out so far that no ball touches it
+@pytest.mark.parametrize("seed", [1, 4])  # with 4 a tip's vertex stands out so far that no sphere touches it
 def test_noisy_rounded_ends(summary_of, tmp_path, seed):
     points, triangles = surfaces.tree(TREE, rounded=True)
     points = points + 0.05 * np.random.default_rng(seed).standard_normal(points.shape)

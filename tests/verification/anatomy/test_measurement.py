@@ -64,8 +64,8 @@ def test_noisy_tube(process, tmp_path, name, edge):
         assert summary["branches"][0]["tortuosity"] == pytest.approx(length / chord, rel=0.01)
 
 
-def test_corners_of_a_wall_that_widening_would_fold(process, tmp_path):
-    """Noise of a quarter of the edge: some of the changes that widen corners make the wall cross itself."""
+def test_angles_of_a_wall_that_widening_would_fold(process, tmp_path):
+    """Noise of a quarter of the edge: some of the changes that widen angles make the wall cross itself."""
     axis, radius, length, _ = CASES["helix"]
     surface = surfaces.write(tmp_path / "tube.stl", *surfaces.tube(axis, radius, length, 0.2, noise=0.05))
     summary, _ = process(surface, tmp_path / "out")

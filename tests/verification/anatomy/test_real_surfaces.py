@@ -131,7 +131,7 @@ def sharpest_fold(points, triangles):
 @pytest.mark.slow
 @pytest.mark.parametrize("widened_mm, within_mm", [(0.4, 4)])
 def test_a_widened_tree_has_no_folds(binary, shared_data, tmp_path, widened_mm, within_mm):
-    """A real tree is widened at one place and processed like a deployed lumen. Formerly the widening of a narrow corner
+    """A real tree is widened at one place and processed like a deployed lumen. Formerly the widening of a small angle
     elsewhere laid two triangles onto each other, and the volume mesh had a sliver."""
     lumen, before = str(binary("lumen")), tmp_path / "before"
     surface = shared_data("dbihar/721A_lumen_derived_mm.stl")

@@ -110,7 +110,7 @@ def test_repaired_surface_is_the_given_one(repaired, state):
 
 @pytest.mark.parametrize("state", ["noise with handles"], indirect=True)
 def test_same_input_same_bits(state, process, tmp_path):
-    """This includes the capping of open ends, the cutting of handles and the widening of corners. Each of these
+    """This includes the capping of open ends, the cutting of handles and the widening of angles. Each of these
     searches has many equally good results."""
     folder = state[-1]
     for again in ("second", "third"):

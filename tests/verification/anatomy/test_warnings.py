@@ -113,8 +113,8 @@ def test_a_lesion_beside_an_end_that_is_wider_than_the_reference(said, inlet, to
 
 
 def test_noise_at_the_inlet_is_no_narrowing(said):
-    """Noise moves the axis off the middle at the inlet. The largest ball round the axis is there a third narrower than
-    the lumen."""
+    """Noise moves the axis off the middle at the inlet. The largest sphere round the axis is there a third narrower
+    than the lumen."""
     points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.8 - 0.55 * s / 40, 40, 0.25)
     points = np.asarray(points) + 0.03 * np.random.default_rng(1).standard_normal(np.shape(points))
     errors, _ = said(points, triangles, "--inlet", "0,0,0")

@@ -1,4 +1,4 @@
-#include "centreline/ball_path.hpp"
+#include "centreline/sphere_path.hpp"
 #include <algorithm>
 
 namespace anatomy {
@@ -15,22 +15,22 @@ constexpr double least_agreement_cosine = 0.87;
 
 } // namespace
 
-BallPath::BallPath(const Balls& all, const ShortestPaths& cheapest, std::size_t ball) {
-  for (std::size_t at = ball, last = all.centre.size(); at != last; at = cheapest.previous[at]) {
+SpherePath::SpherePath(const InscribedSpheres& all, const ShortestPaths& cheapest, std::size_t sphere) {
+  for (std::size_t at = sphere, last = all.centre.size(); at != last; at = cheapest.previous[at]) {
     last = at;
     s.push_back(points.empty() ? 0 : s.back() + (all.centre[at] - points.back()).norm());
-    balls.push_back(at);
+    spheres.push_back(at);
     points.push_back(all.centre[at]);
     radius.push_back(all.radius[at]);
   }
 }
 
-std::size_t BallPath::index_at(double where) const {
+std::size_t SpherePath::index_at(double where) const {
   const auto above = std::lower_bound(s.begin(), s.end(), where);
   return std::min(static_cast<std::size_t>(above - s.begin()), s.size() - 1);
 }
 
-Vec3 BallPath::centre(double where) const {
+Vec3 SpherePath::centre(double where) const {
   const double width = 0.25 * radius[index_at(where)];
   Vec3 sum = Vec3::Zero();
   int n = 0;
@@ -42,7 +42,7 @@ Vec3 BallPath::centre(double where) const {
   return n > 0 ? Vec3(sum / n) : points[index_at(where)];
 }
 
-Vec3 vessel_direction(const Mesh& mesh, const BallPath& path, double where) {
+Vec3 vessel_direction(const Mesh& mesh, const SpherePath& path, double where) {
   const double r = path.radius[path.index_at(where)];
   const Vec3 centre = path.centre(where);
   const Vec3 along =

@@ -1,9 +1,9 @@
-#include "remesh/local_edge.hpp"
+#include "remesh/grading.hpp"
 #include "core/crossings.hpp"
 #include "core/faces.hpp"
 #include "core/tags.hpp"
 #include "ends/ends.hpp"
-#include "remesh/corners.hpp"
+#include "remesh/angle_optimiser.hpp"
 #include "remesh/remesh.hpp"
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <algorithm>
@@ -13,15 +13,11 @@ namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 
-constexpr double edge_per_radius = 0.3;         // longest edge, in inscribed radii
-constexpr double largest_edge_per_radius = 0.8; // the same limit in the narrowest throats: eight edges go round them
-constexpr double least_throat_edge = 0.05;      // mm, least edge in a throat, unless 0.3 of the user's edge is shorter
-constexpr double edge_growth = 0.3;             // mm of edge per mm of distance from a narrow place
 // Ratio of the target edges of two successive levels. CGAL's remeshing accepts edges of 0.8 to 1.33 of its target, so
 // the edges of a level suit the next level too.
 constexpr double level_step = 0.85;
-constexpr double good_corner = 30;    // degrees: a triangle with a smaller corner is remeshed
-constexpr double aimed_corner = 30.5; // degrees: a margin over 30, which must remain after writing and reading
+constexpr double good_angle = 30;    // degrees: a triangle with a smaller angle is remeshed
+constexpr double aimed_angle = 30.5; // degrees: a margin over 30, which must remain after writing and reading
 // A triangle is remeshed if the ratio of an edge to the wanted length is outside this range. Remeshing itself leaves
 // one triangle in 10^4 outside.
 constexpr double least_edge_ratio = 0.5;
@@ -30,20 +26,20 @@ constexpr int rings_beside = 3;                 // this many rings of triangles 
 constexpr double off_wall = 1e-6;               // mm: a vertex farther from the wall is projected on it
 constexpr double most_regraded_share = 1.0 / 3; // regraded() gives up if a larger share of the triangles is to remesh
 
-// Whether a triangle has edges near the wanted length, and no corner below 30 degrees.
-bool is_as_wanted(const Mesh& mesh, Face f, const EdgeField& field) {
+// Whether a triangle has edges near the wanted length, and no angle below 30 degrees.
+bool is_as_wanted(const Mesh& mesh, Face f, const SizingField& field) {
   const double length = field.at(centroid(mesh, f));
   for (Halfedge h : mesh.halfedges_around_face(mesh.halfedge(f))) {
     const double ratio = (vec(mesh.point(mesh.source(h))) - vec(mesh.point(mesh.target(h)))).norm() / length;
     if (ratio < least_edge_ratio || ratio > largest_edge_ratio)
       return false;
   }
-  return smallest_corner(mesh, f) >= good_corner;
+  return smallest_angle(mesh, f) >= good_angle;
 }
 
 // Flags the faces of a compact mesh that are to be remeshed: those that are not is_as_wanted(), and three rings of
 // faces round them. Faces that touch a cap are left out.
-std::vector<bool> faces_to_remesh(const Mesh& mesh, const EdgeField& field) {
+std::vector<bool> faces_to_remesh(const Mesh& mesh, const SizingField& field) {
   std::vector<bool> chosen(mesh.num_faces(), false);
   for (Face f : mesh.faces())
     chosen[f] = !touches_cap(mesh, f) && !is_as_wanted(mesh, f, field);
@@ -62,10 +58,10 @@ struct Remesher {
   Mesh mesh;
   const Mesh &original, &surface;
   const WallTree wall, original_wall; ///< the walls of `surface` and of `original`
-  const EdgeField& field;
+  const SizingField& field;
   std::vector<bool> chosen; ///< for each face of `original`, whether it is remeshed; empty: all are
 
-  Remesher(const Mesh& start, const Mesh& smooth, const EdgeField& lengths)
+  Remesher(const Mesh& start, const Mesh& smooth, const SizingField& lengths)
       : mesh(start), original(start), surface(smooth), wall(smooth), original_wall(original), field(lengths) {}
 
   // The faces to remesh whose wanted edge is at most `length` (mm); faces that touch a cap are left out.
@@ -142,14 +138,14 @@ struct Remesher {
     flatten_caps(mesh);
   }
 
-  // The mesh with its self-intersections repaired and its corners widened. Corners stay as they are if every way to
+  // The mesh with its self-intersections repaired and its angles widened. Angles stay as they are if every way to
   // widen them makes the surface cross itself.
   Mesh finished() {
     untangle(mesh);
     check_remeshed(mesh, field.edge());
     for (const auto& [passes, careful] : {std::pair{3, false}, {1, false}, {3, true}}) {
       Mesh widened = mesh;
-      widen_corners(widened, surface, wall, aimed_corner, passes, careful);
+      widen_angles(widened, surface, wall, aimed_angle, passes, careful);
       if (!crosses_itself(widened))
         return widened;
     }
@@ -159,41 +155,19 @@ struct Remesher {
 
 } // namespace
 
-EdgeField::EdgeField(double edge, const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles)
-    : edge_(edge) {
-  for (std::size_t b = 0; b < branches.size(); ++b)
-    for (std::size_t i = 0; i < branches[b].x.size(); ++i) {
-      if (branches[b].s[i] < branches[b].s_outside)
-        continue;
-      const double radius = branches[b].radius[i], reference = 0.5 * profiles[b].diameter(branches[b].s[i]);
-      const double wanted = std::min(edge * radius / reference, edge_per_radius * radius);
-      const double least =
-          std::min(smallest_edge_factor * edge, std::max(largest_edge_per_radius * radius, least_throat_edge));
-      if (wanted < edge)
-        narrow_samples_.push_back({branches[b].x[i], radius, std::max(wanted, least)});
-    }
-}
-
-double EdgeField::at(const Vec3& p) const {
-  double length = edge_;
-  for (const NarrowSample& sample : narrow_samples_)
-    length = std::min(length, sample.edge + edge_growth * std::max(0.0, (p - sample.x).norm() - sample.radius));
-  return length;
-}
-
-Mesh graded(const Mesh& mesh, const Mesh& surface, const EdgeField& field) {
+Mesh graded(const Mesh& mesh, const Mesh& surface, const SizingField& field) {
   Remesher remesher(mesh, surface, field);
   remesher.resize(level_step * field.edge());
   return remesher.finished();
 }
 
-Mesh coarsened(const Mesh& mesh, double edge, const Mesh& surface, const EdgeField& field) {
+Mesh coarsened(const Mesh& mesh, double edge, const Mesh& surface, const SizingField& field) {
   Remesher remesher(mesh, surface, field);
   remesher.resize_both_ways(edge);
   return remesher.finished();
 }
 
-std::optional<Mesh> regraded(const Mesh& mesh, const Mesh& surface, const EdgeField& field) {
+std::optional<Mesh> regraded(const Mesh& mesh, const Mesh& surface, const SizingField& field) {
   Remesher remesher(mesh, surface, field);
   remesher.chosen = faces_to_remesh(mesh, field);
   const auto count = static_cast<double>(std::count(remesher.chosen.begin(), remesher.chosen.end(), true));

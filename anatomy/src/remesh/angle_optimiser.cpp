@@ -1,4 +1,4 @@
-#include "remesh/corners.hpp"
+#include "remesh/angle_optimiser.hpp"
 #include "core/crossings.hpp"
 #include "core/faces.hpp"
 #include "core/tags.hpp"
@@ -11,15 +11,15 @@
 namespace anatomy {
 namespace {
 
-constexpr double pass_tolerance = 0.4; // degrees; no pass follows if the smallest corner is short of the goal by less
+constexpr double pass_tolerance = 0.4; // degrees; no pass follows if the smallest angle is short of the goal by less
 constexpr int moving_rings = 2;        // rings of vertices round a narrow triangle that may move
 constexpr int most_sweeps = 6;         // largest number of times that each of these vertices is moved
 constexpr int step_directions = 6;     // directions tried for each step of a vertex
 constexpr double first_step = 0.2;     // length of a vertex's first step, in mean edge lengths at the vertex
 constexpr int step_halvings = 4;       // number of step lengths tried, each half of the one before
-// A change is kept only if the smallest corner of the neighbourhood gains more than this, degrees.
+// A change is kept only if the smallest angle of the neighbourhood gains more than this, degrees.
 constexpr double least_gain = 0.05;
-constexpr double least_move = 1e-3; // degrees; a vertex moves only if the smallest corner round it gains more
+constexpr double least_move = 1e-3; // degrees; a vertex moves only if the smallest angle round it gains more
 constexpr double cos_turned = 0.5;  // 60 degrees: a move may not turn a triangle by more
 constexpr double cos_folded = 0.3;  // 73 degrees: a triangle steeper than this to the smooth wall is folded
 constexpr double cos_crease = -0.5; // 120 degrees between two neighbours' normals: sharper than any carina of a lumen
@@ -49,17 +49,17 @@ struct Star {
 
 // The smallest angle (degrees) of the star's triangles. To save time the search stops at the first angle that is not
 // above `enough`, and returns that one. It returns -1 at a triangle that has turned by more than 60 degrees.
-double smallest_star_corner(const Mesh& mesh, const Star& star, double enough) {
-  double corner = 180;
-  for (std::size_t i = 0; i < star.faces.size() && corner > enough; ++i) {
+double smallest_star_angle(const Mesh& mesh, const Star& star, double enough) {
+  double angle = 180;
+  for (std::size_t i = 0; i < star.faces.size() && angle > enough; ++i) {
     if (area_vector(mesh, star.faces[i]).normalized().dot(star.normals[i]) < cos_turned)
       return -1;
-    corner = std::min(corner, smallest_corner(mesh, star.faces[i]));
+    angle = std::min(angle, smallest_angle(mesh, star.faces[i]));
   }
-  return corner;
+  return angle;
 }
 
-// Moves v along the wall so that the smallest corner of the triangles round it becomes as wide as possible. It is a
+// Moves v along the wall so that the smallest angle of the triangles round it becomes as wide as possible. It is a
 // pattern search: steps in several directions, of falling length. Returns whether v was moved.
 bool move_vertex(Mesh& mesh, const WallTree& wall, Vertex v) {
   const Vec3 normal = normal_at(mesh, v), u = normal.unitOrthogonal(), w = normal.cross(u);
@@ -70,20 +70,20 @@ bool move_vertex(Mesh& mesh, const WallTree& wall, Vertex v) {
     star.normals.push_back(area_vector(mesh, mesh.face(h)).normalized());
     step += (vec(mesh.point(mesh.source(h))) - vec(mesh.point(v))).norm() / static_cast<double>(mesh.degree(v));
   }
-  double best = smallest_star_corner(mesh, star, 0);
+  double best = smallest_star_angle(mesh, star, 0);
   step *= first_step;
   bool moved = false;
   for (int k = 0; k < step_halvings; step /= 2, ++k)
     for (int d = 0; d < step_directions; ++d) {
-      const double angle = 2 * M_PI * d / step_directions;
+      const double heading = 2 * pi * d / step_directions;
       const Point before = mesh.point(v);
       const double aim = best + least_move;
-      mesh.point(v) = point(vec(before) + step * (std::cos(angle) * u + std::sin(angle) * w));
-      if (smallest_star_corner(mesh, star, aim) >
+      mesh.point(v) = point(vec(before) + step * (std::cos(heading) * u + std::sin(heading) * w));
+      if (smallest_star_angle(mesh, star, aim) >
           aim) { // only a promising step is worth the search for the wall's nearest point
         mesh.point(v) = wall.nearest(mesh.point(v));
-        if (const double corner = smallest_star_corner(mesh, star, aim); corner > aim) {
-          best = corner;
+        if (const double angle = smallest_star_angle(mesh, star, aim); angle > aim) {
+          best = angle;
           moved = true;
           continue;
         }
@@ -133,7 +133,7 @@ Change split(Edge e, const WallTree& wall) {
   };
 }
 
-// Widens corners of `mesh` as widen_corners() says.
+// Widens angles of `mesh` as widen_angles() says.
 struct AngleOptimiser {
   Mesh mesh;
   const Mesh& surface;
@@ -154,15 +154,15 @@ struct AngleOptimiser {
     return patch;
   }
 
-  // Smallest corner (degrees) of the triangles at these vertices that touch no cap.
-  static double smallest_patch_corner(const Mesh& in, const std::set<Vertex>& patch) {
-    double corner = 180;
+  // Smallest angle (degrees) of the triangles at these vertices that touch no cap.
+  static double smallest_patch_angle(const Mesh& in, const std::set<Vertex>& patch) {
+    double angle = 180;
     for (Vertex v : patch)
       if (!in.is_removed(v))
         for (Face f : in.faces_around_target(in.halfedge(v)))
           if (!touches_cap(in, f))
-            corner = std::min(corner, smallest_corner(in, f));
-    return corner;
+            angle = std::min(angle, smallest_angle(in, f));
+    return angle;
   }
 
   // Moves the vertices of a patch one after the other, until none moves any more or `most_sweeps` is reached.
@@ -193,11 +193,11 @@ struct AngleOptimiser {
     return all;
   }
 
-  // Keeps the change that widens the smallest corner round the triangle most. Returns whether there was one.
+  // Keeps the change that widens the smallest angle round the triangle most. Returns whether there was one.
   bool widen(Face f) {
     const std::set<Vertex> patch = vertices_around(f);
-    const double before = smallest_patch_corner(mesh, patch);
-    double best_corner = before + least_gain;
+    const double before = smallest_patch_angle(mesh, patch);
+    double best_angle = before + least_gain;
     Mesh best;
     for (const Change& change : changes(f)) {
       Mesh trial = mesh;
@@ -208,12 +208,12 @@ struct AngleOptimiser {
       for (std::size_t k = count; k < trial.num_vertices(); ++k)
         moving.insert(Vertex(static_cast<Mesh::size_type>(k)));
       relax(trial, moving);
-      const double corner = smallest_patch_corner(trial, moving);
-      if (corner > best_corner && folded(trial, moving) <= folded(mesh, patch) &&
+      const double angle = smallest_patch_angle(trial, moving);
+      if (angle > best_angle && folded(trial, moving) <= folded(mesh, patch) &&
           creases(trial, moving) <= creases(mesh, patch) && !(careful && crosses(trial, moving))) {
-        best_corner = corner;
+        best_angle = angle;
         best = std::move(trial);
-        if (corner >= wanted)
+        if (angle >= wanted)
           break;
       }
     }
@@ -268,41 +268,41 @@ struct AngleOptimiser {
     return crosses_itself(in, {faces.begin(), faces.end()});
   }
 
-  // Smallest corner (degrees) of all triangles that touch no cap.
+  // Smallest angle (degrees) of all triangles that touch no cap.
   double smallest_of_all() const {
-    double corner = 180;
+    double angle = 180;
     for (Face f : mesh.faces())
       if (!touches_cap(mesh, f))
-        corner = std::min(corner, smallest_corner(mesh, f));
-    return corner;
+        angle = std::min(angle, smallest_angle(mesh, f));
+    return angle;
   }
 
-  // The triangle with the smallest corner, and this corner (degrees). Triangles at a cap are left out, and those that
+  // The triangle with the smallest angle, and this angle (degrees). Triangles at a cap are left out, and those that
   // no change has improved in this pass (`hopeless`).
   std::pair<double, Face> narrowest_triangle() const {
     std::pair<double, Face> found{180, Face()};
     for (Face f : mesh.faces())
-      if (const double corner = smallest_corner(mesh, f);
-          corner < found.first && !touches_cap(mesh, f) && !hopeless.contains(f))
-        found = {corner, f};
+      if (const double angle = smallest_angle(mesh, f);
+          angle < found.first && !touches_cap(mesh, f) && !hopeless.contains(f))
+        found = {angle, f};
     return found;
   }
 };
 
 } // namespace
 
-void widen_corners(Mesh& mesh, const Mesh& surface, const WallTree& wall, double wanted, int passes, bool careful) {
+void widen_angles(Mesh& mesh, const Mesh& surface, const WallTree& wall, double wanted, int passes, bool careful) {
   AngleOptimiser optimiser{mesh, surface, wall, wanted, careful, {}};
   optimiser.mesh.set_recycle_garbage(false); // so that no new face takes the index of a removed one
-  // a corner that could not be widened at first may give way once its neighbours have changed
+  // an angle that could not be widened at first may give way once its neighbours have changed
   bool changed = true;
   for (int pass = 0; pass < passes && changed && (pass == 0 || optimiser.smallest_of_all() < wanted - pass_tolerance);
        ++pass) {
     optimiser.hopeless.clear();
     changed = false;
     for (std::size_t k = 0; k < most_changes; ++k) {
-      const auto [corner, face] = optimiser.narrowest_triangle();
-      if (corner >= wanted)
+      const auto [angle, face] = optimiser.narrowest_triangle();
+      if (angle >= wanted)
         break;
       changed |= optimiser.widen(face);
     }

@@ -1,4 +1,4 @@
-#include "centreline/inner_balls.hpp"
+#include "centreline/inscribed_spheres.hpp"
 #include "common/error.hpp"
 #include "core/measures.hpp"
 #include <CGAL/Delaunay_triangulation_3.h>
@@ -18,11 +18,12 @@ using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data
 
 // Places farther from an end's axis than this (in radii of the end) belong to a vessel that runs past the end.
 constexpr double end_margin_radii = 1.1;
-// A ball whose wall points all lie nearer to each other than this (in ball radii) touches only one patch of the wall.
+// A sphere whose wall points all lie nearer to each other than this (in sphere radii) touches only one patch of the
+// wall.
 constexpr double one_patch_radii = 0.2;
 
-// Whether p lies beyond a cap, at any distance. A ball there may touch only the cap's rim, whose normals do not show
-// that the ball is outside.
+// Whether p lies beyond a cap, at any distance. A sphere there may touch only the cap's rim, whose normals do not show
+// that the sphere is outside.
 bool lies_beyond_cap(const Vec3& p, const std::vector<End>& ends) {
   return std::any_of(ends.begin(), ends.end(), [&](const End& end) {
     const Vec3 d = p - end.centre;
@@ -89,12 +90,12 @@ void wall_points(const Mesh& mesh, std::size_t every, std::vector<std::pair<Poin
 
 } // namespace
 
-Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t every) {
+InscribedSpheres inscribed_spheres(const Mesh& mesh, const std::vector<End>& ends, std::size_t every) {
   std::vector<std::pair<Point, std::size_t>> points;
   std::vector<Vec3> normals;
   wall_points(mesh, every, points, normals);
   Delaunay delaunay(points.begin(), points.end());
-  Balls balls;
+  InscribedSpheres spheres;
   InsideTest in_lumen(mesh, ends);
   for (auto cell : delaunay.finite_cell_handles()) {
     cell->info() = -1;
@@ -106,11 +107,11 @@ Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t ev
     }
     if (!inside || !in_lumen(cell, c, (c - vec(cell->vertex(0)->point())).norm()))
       continue;
-    cell->info() = static_cast<int>(balls.centre.size());
-    balls.centre.push_back(c);
-    balls.radius.push_back((c - vec(cell->vertex(0)->point())).norm());
+    cell->info() = static_cast<int>(spheres.centre.size());
+    spheres.centre.push_back(c);
+    spheres.radius.push_back((c - vec(cell->vertex(0)->point())).norm());
   }
-  balls.neighbours.resize(balls.centre.size());
+  spheres.neighbours.resize(spheres.centre.size());
   for (auto cell : delaunay.finite_cell_handles())
     if (cell->info() >= 0)
       for (int k = 0; k < 4; ++k) {
@@ -118,13 +119,14 @@ Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t ev
         if (delaunay.is_infinite(other) || other->info() < 0)
           continue;
         const auto i = static_cast<std::size_t>(cell->info()), j = static_cast<std::size_t>(other->info());
-        if (!crosses_cap(balls.centre[i], balls.centre[j], ends))
-          balls.neighbours[i].push_back(j);
+        if (!crosses_cap(spheres.centre[i], spheres.centre[j], ends))
+          spheres.neighbours[i].push_back(j);
       }
-  return balls;
+  return spheres;
 }
 
-bool leads_away(const Balls& balls, std::size_t from, const Vec3& p, double reach, std::vector<bool>& seen) {
+bool leads_away(const InscribedSpheres& spheres, std::size_t from, const Vec3& p, double reach,
+                std::vector<bool>& seen) {
   std::vector<std::size_t> front{from};
   while (!front.empty()) {
     const std::size_t i = front.back();
@@ -132,24 +134,24 @@ bool leads_away(const Balls& balls, std::size_t from, const Vec3& p, double reac
     if (seen[i])
       continue;
     seen[i] = true;
-    if ((balls.centre[i] - p).norm() > reach)
+    if ((spheres.centre[i] - p).norm() > reach)
       return true;
-    front.insert(front.end(), balls.neighbours[i].begin(), balls.neighbours[i].end());
+    front.insert(front.end(), spheres.neighbours[i].begin(), spheres.neighbours[i].end());
   }
   return false;
 }
 
-std::size_t ball_at_end(const Balls& balls, const End& end) {
-  const auto distance = [&](std::size_t i) { return (balls.centre[i] - end.centre).norm(); };
+std::size_t sphere_at_end(const InscribedSpheres& spheres, const End& end) {
+  const auto distance = [&](std::size_t i) { return (spheres.centre[i] - end.centre).norm(); };
   std::vector<std::size_t> filling;
-  for (std::size_t i = 0; i < balls.centre.size(); ++i)
-    if (balls.radius[i] > 0.5 * end.radius() && distance(i) < 2 * end.radius())
+  for (std::size_t i = 0; i < spheres.centre.size(); ++i)
+    if (spheres.radius[i] > 0.5 * end.radius() && distance(i) < 2 * end.radius())
       filling.push_back(i);
   std::sort(filling.begin(), filling.end(), [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
-  // `seen` holds the balls of failed searches. None of them leads into the vessel, so later searches skip them.
-  std::vector<bool> seen(balls.centre.size(), false);
+  // `seen` holds the spheres of failed searches. None of them leads into the vessel, so later searches skip them.
+  std::vector<bool> seen(spheres.centre.size(), false);
   for (std::size_t i : filling)
-    if (leads_away(balls, i, end.centre, end.radius(), seen))
+    if (leads_away(spheres, i, end.centre, end.radius(), seen))
       return i;
   throw common::ComputationError(
       "no axis found at an end", point_text(end.centre),
@@ -158,15 +160,15 @@ std::size_t ball_at_end(const Balls& balls, const End& end) {
       "face of the wall, fill or smooth it, or name the ends by --inlet and --outlet");
 }
 
-ShortestPaths cheapest_paths(const Balls& balls, std::size_t from) {
+ShortestPaths cheapest_paths(const InscribedSpheres& spheres, std::size_t from) {
   std::vector<CostGraph::Link> links;
   std::vector<double> costs;
-  for (std::size_t i = 0; i < balls.centre.size(); ++i)
-    for (std::size_t j : balls.neighbours[i]) {
+  for (std::size_t i = 0; i < spheres.centre.size(); ++i)
+    for (std::size_t j : spheres.neighbours[i]) {
       links.emplace_back(i, j);
-      costs.push_back((balls.centre[i] - balls.centre[j]).norm() * 2 / (balls.radius[i] + balls.radius[j]));
+      costs.push_back((spheres.centre[i] - spheres.centre[j]).norm() * 2 / (spheres.radius[i] + spheres.radius[j]));
     }
-  return CostGraph(balls.centre.size(), links, costs).from(from);
+  return CostGraph(spheres.centre.size(), links, costs).from(from);
 }
 
 } // namespace anatomy
