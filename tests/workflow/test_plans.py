@@ -155,7 +155,8 @@ def test_a_case_without_ct_has_none(fresh):
 def test_lumens_at_half_maximum_only_where_the_study_finds_them_otherwise(fresh):
     """Lumens at half maximum are a second arm, unless the study's own method is half maximum. If a step of this arm
     failed for a case, only this arm is left out."""
-    failed = {"failed": [{"case": "quick_branch", "step": "half_maximum/deploy"}]}
+    step = {"case": "quick_branch", "step": "half_maximum/deploy", "exit_code": 3, "message": "refused", "log": "a.log"}
+    failed = {"failed": [step]}
     (fresh.folder / "failed.json").write_text(json.dumps(failed))
     planned = fresh.planned_rules(more=["failed=failed.json"])
     assert "half_maximum_metrics quick_focal" in planned and "metrics quick_branch" in planned
