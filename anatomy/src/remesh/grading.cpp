@@ -5,13 +5,10 @@
 #include "ends/ends.hpp"
 #include "remesh/angle_optimiser.hpp"
 #include "remesh/remesh.hpp"
-#include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <algorithm>
 
 namespace anatomy {
 namespace {
-
-namespace PMP = CGAL::Polygon_mesh_processing;
 
 // Ratio of the target edges of two successive levels. CGAL's remeshing accepts edges of 0.8 to 1.33 of its target, so
 // the edges of a level suit the next level too.
@@ -89,19 +86,7 @@ struct Remesher {
   // Remeshes these faces to edges of `target` mm. Every iteration flips edges and relaxes vertices; with `resize` it
   // also splits and collapses edges.
   void remesh(const std::vector<Face>& faces, double target, unsigned iterations, bool resize) {
-    RegionMap region = region_map(mesh);
-    auto rim = mark_rims(mesh);
-    PMP::isotropic_remeshing(faces, target, mesh,
-                             CGAL::parameters::number_of_iterations(iterations)
-                                 .number_of_relaxation_steps(2)
-                                 .do_split(resize)
-                                 .do_collapse(resize)
-                                 .edge_is_constrained_map(rim)
-                                 .face_patch_map(region)
-                                 .protect_constraints(false)
-                                 .projection_functor([&](Vertex v) { return on_wall(mesh, v, wall); }));
-    mesh.remove_property_map(rim);
-    mesh.collect_garbage();
+    remesh_faces(mesh, faces, target, iterations, wall, resize);
     // CGAL does not project new vertices on the border of the faces. Vertices on the wall keep their coordinates
     // exactly.
     for (Vertex v : mesh.vertices())

@@ -18,6 +18,24 @@ Point on_wall(const Mesh& mesh, Vertex v, const WallTree& wall) {
   return wall.nearest(mesh.point(v));
 }
 
+void remesh_faces(Mesh& mesh, const std::vector<Face>& faces, double edge, unsigned iterations, const WallTree& wall,
+                  bool resize) {
+  RegionMap region = region_map(mesh);
+  auto rim = mark_rims(mesh);
+  // rims are not relaxed: they would shrink at every iteration until caps and wall cross
+  PMP::isotropic_remeshing(faces, edge, mesh,
+                           CGAL::parameters::number_of_iterations(iterations)
+                               .number_of_relaxation_steps(2)
+                               .do_split(resize)
+                               .do_collapse(resize)
+                               .edge_is_constrained_map(rim)
+                               .face_patch_map(region)
+                               .protect_constraints(false)
+                               .projection_functor([&](Vertex v) { return on_wall(mesh, v, wall); }));
+  mesh.remove_property_map(rim);
+  mesh.collect_garbage();
+}
+
 namespace {
 
 constexpr double narrow_angle = 30;          // degrees: a triangle with a smaller angle is narrow
@@ -25,18 +43,8 @@ constexpr double most_narrow_share = 0.1;    // share of narrow triangles above 
 constexpr double loosening_edge_ratio = 0.6; // edge of the finer mesh in between, as a share of the wanted edge
 
 void remesh_wall(Mesh& mesh, double edge, const WallTree& wall) {
-  RegionMap region = region_map(mesh);
-  auto rim = mark_rims(mesh);
-  // rims are not relaxed: they would shrink at every iteration until caps and wall cross
-  PMP::isotropic_remeshing(mesh.faces(), edge, mesh,
-                           CGAL::parameters::number_of_iterations(8)
-                               .number_of_relaxation_steps(2)
-                               .edge_is_constrained_map(rim)
-                               .face_patch_map(region)
-                               .protect_constraints(false)
-                               .projection_functor([&](Vertex v) { return on_wall(mesh, v, wall); }));
-  mesh.remove_property_map(rim);
-  mesh.collect_garbage();
+  const auto faces = mesh.faces();
+  remesh_faces(mesh, {faces.begin(), faces.end()}, edge, 8, wall);
 }
 
 bool is_narrow(const Mesh& mesh) {

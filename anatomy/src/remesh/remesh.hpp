@@ -9,6 +9,12 @@ namespace anatomy {
 /// the result crosses itself or is not closed.
 Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface);
 
+/// Remeshes `faces` to edges of `edge` mm (CGAL's isotropic remeshing). Rims stay; new vertices of the wall lie on
+/// `wall`.
+/// @param resize false: edges are flipped and vertices relaxed, but no edge is split or collapsed
+void remesh_faces(Mesh& mesh, const std::vector<Face>& faces, double edge, unsigned iterations, const WallTree& wall,
+                  bool resize = true);
+
 /// The point to which v is projected: the nearest point of the wall. A vertex on a cap or a rim stays in its place.
 Point on_wall(const Mesh& mesh, Vertex v, const WallTree& wall);
 
