@@ -1,14 +1,17 @@
 """Fills closed surfaces with tetrahedra by gmsh: a program that meshing.volume_mesh starts once and then asks often.
 
-Each line of its input names a folder. The program reads SURFACE in this folder, and writes VOLUME, LOG and the
-auxiliary file FIELD there. Then it prints the exit code of this job. Each job runs in a forked process: gmsh and numpy
-are loaded only once, and a crash of gmsh ends that job alone. The program imports nothing of this repository.
+Each line of its input names a folder, as a JSON string. The program reads SURFACE in this folder, and writes VOLUME,
+LOG and the auxiliary file FIELD there. Then it prints the exit code of this job. Each job runs in a forked process:
+gmsh and numpy are loaded only once, and a crash of gmsh ends that job alone. The program imports nothing of this
+repository.
 
 gmsh's Delaunay algorithm gives the same tetrahedra on every run. Its algorithm HXT does not, since gmsh 4.8 hands it
 the vertices in the order of their memory addresses.
 """
 
+import json
 import os
+import signal
 import sys
 
 import numpy as np
@@ -105,8 +108,9 @@ def main():
     """Runs the job of each folder named on standard input and prints its exit code."""
     import gmsh
 
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends program and job without a traceback
     for line in sys.stdin:
-        print(run_job(gmsh, line.rstrip("\n")), flush=True)
+        print(run_job(gmsh, json.loads(line)), flush=True)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ options are not read.
 
 import atexit
 import functools
+import json
 import pathlib
 import subprocess
 import sys
@@ -40,7 +41,7 @@ def _run_gmsh(folder):
     if _program().poll() is not None:
         _program.cache_clear()  # the program was killed since the last surface
     program = _program()
-    print(folder, file=program.stdin, flush=True)
+    print(json.dumps(str(folder)), file=program.stdin, flush=True)
     code = program.stdout.readline().strip()
     if code == "0" and (folder / gmsh_fill.VOLUME).is_file():
         return
