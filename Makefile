@@ -30,7 +30,7 @@ $(BUILD)/three.min.js: $(wildcard reports/page/three/*) | setup
 	reports/page/three/bundle.sh $@
 
 build: setup $(BUILD)/build.ninja $(BUILD)/three.min.js ## compile programs and Python module, bundle the page's viewer, into build/
-	@ninja -C $(BUILD) -j $(CORES) vci lumen vci_python
+	@ninja -C $(BUILD) -j $(CORES) vci lumen vci_python flow_factors
 
 validate: setup ## check every configuration file
 	@$(PYTHON) -m workflow validate

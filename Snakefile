@@ -54,8 +54,10 @@ HALF_MAXIMUM_CASES = [case for case in HALF_MAXIMUM.arm_cases(CASES) if case not
 # Rules take a case's file as `ancient` (its date does not count) and the sections they use as parameters. So a change
 # of the file re-runs only the rules that use the changed section.
 CASE_FILE = str(STUDY.case_file("{case}"))
-VCI = os.path.join(config.get("build", "build"), "vci")
-LUMEN = os.path.join(config.get("build", "build"), "lumen")
+BUILD = config.get("build", "build")
+VCI, LUMEN = os.path.join(BUILD, "vci"), os.path.join(BUILD, "lumen")
+FLOW_FACTORS = os.path.join(BUILD, "python", "flow_factors.so")
+os.environ["VCI_BUILD_DIR"] = os.path.abspath(BUILD)  # where the flow looks for it
 
 
 wildcard_constraints:

@@ -19,7 +19,7 @@ from flow.discretisation import compat
 class FreeMatrix:
     """The matrix of forms.NavierStokes on a LumenSpace.
 
-    matrix: PETSc AIJ between the free dofs, with the same sparsity pattern for every state.
+    matrix: scipy CSR matrix between the free dofs, with the same sparsity pattern for every state.
     """
 
     def __init__(self, space, forms):
@@ -35,7 +35,7 @@ class FreeMatrix:
         self.constant_places = np.flatnonzero(self.sources < 0)  # entries that no state changes: B, and explicit zeros
         values = np.append(self.divergence.data, 0.0)[-self.sources[self.constant_places] - 2]
         self.constant_values, self.sources[self.constant_places] = values, 0
-        self.matrix = _matrix_on(pattern, self.values)
+        self.matrix = scipy.sparse.csr_matrix((self.values, pattern.indices, pattern.indptr), pattern.shape)
 
     def _pattern(self, velocity):
         """CSR matrix with the pattern of `matrix`, whose values say where each entry of `matrix` comes from.
@@ -74,7 +74,6 @@ class FreeMatrix:
         self.velocity.convert("aij", self.entries)
         np.take(self.entry_values, self.sources, out=self.values)
         self.values[self.constant_places] = self.constant_values
-        self.matrix.assemble()  # tells the solver that the values are new
 
     def multiply(self, values, transposed=False):
         """Product (n,) over W of the last matrix, or its transpose, with values (n,) whose pressures are 0.
@@ -90,7 +89,7 @@ class FreeMatrix:
 
     def destroy(self):
         """Frees PETSc's memory."""
-        for petsc_object in (self.velocity, self.entries, self.matrix, self.input_vector, self.output_vector):
+        for petsc_object in (self.velocity, self.entries, self.input_vector, self.output_vector):
             petsc_object.destroy()
 
 

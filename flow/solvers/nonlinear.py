@@ -262,4 +262,3 @@ class FlowProblem:
     def destroy(self):
         """Frees PETSc's memory."""
         self.release()
-        self.solver.destroy()

@@ -61,6 +61,7 @@ rule flow_solve:
         boundary="results/cases/{case}/flow/boundary.json",
         settings="results/cases/{case}/settings/flow.json",
         code=command_code("flow", "solve_command"),
+        factors=FLOW_FACTORS,
     output:
         solution="results/cases/{case}/flow/{state}/solution.vtu",
         ffr="results/cases/{case}/flow/{state}/ffr.json",
@@ -93,6 +94,7 @@ rule flow_audit:
         boundary="results/cases/{case}/flow/boundary.json",
         settings="results/cases/{case}/settings/flow.json",
         code=command_code("flow", "audit_command"),
+        factors=FLOW_FACTORS,
     output:
         audit="results/cases/{case}/flow/{state}/audit.json",
         series="results/cases/{case}/flow/{state}/audit.csv",

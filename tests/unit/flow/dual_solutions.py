@@ -13,6 +13,7 @@ from flow.discretisation import compat, spaces
 from flow.errors import recovery
 from flow.errors.error_field import dof_points, richer_residual, stretch_numbers
 from flow.physics.units import M_PER_MM
+from flow.solvers import linear
 
 
 def error_parts(solved, document, tree):
@@ -40,21 +41,13 @@ def dual(problem, goal):
     """Values (n,) over W of z with K^T z = goal (n,), where K is the last tangent of `problem`."""
     if problem.bordered is None or problem.linearised_as != (True, problem.artificial_viscosity):
         problem.linearise(problem.forms.tangent)
-    bordered, space = problem.bordered, problem.space
-    given, found = problem.matrix.matrix.createVecs()
-
-    def solved(right):
-        given.array[:] = right
-        bordered.solver.ksp.solveTranspose(given, found)
-        return found.array.copy()
-
-    border = np.stack([solved(row) for row in bordered.rows], axis=1)
-    schur = bordered.corner.T - bordered.columns.T @ border
-    z = solved(goal[space.free_dofs])
-    on_border = np.linalg.solve(schur, -(bordered.columns.T @ z))
+    bordered, space, solver = problem.bordered, problem.space, linear.DirectSolver()
+    solver.set_matrix(problem.matrix.matrix.T.tocsr())
+    transposed = linear.BorderedSystem(solver, bordered.rows.T, bordered.columns.T, bordered.corner.T)
+    z, on_border = transposed.solve(goal[space.free_dofs, None], np.zeros((len(bordered.rows), 1)))
     values = np.zeros(space.dofs)
-    values[space.free_dofs] = z - border @ on_border
-    values[space.inlet_dofs] = problem.boundaries.profile[space.inlet_dofs] * on_border[0]
+    values[space.free_dofs] = z[:, 0]
+    values[space.inlet_dofs] = problem.boundaries.profile[space.inlet_dofs] * on_border[0, 0]
     return values
 
 
