@@ -1,9 +1,14 @@
 """Errors that a user sees: what is wrong, where, the value, and the remedy."""
 
+import errno
 import functools
 import re
 import sys
 
+INTERRUPTED = 130  # exit code of a command that Ctrl-C ended, as a shell gives it
+# What a disk or a folder can refuse, whatever the program does. Other errors of the system are defects of the program.
+STORAGE_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EACCES, errno.EPERM, errno.EROFS)
+CHECK_STORAGE = "check the folder, its rights and the free space"
 LAST_LINES = 6  # number of last lines of a log, taken as the message if the log has no error message of this project
 
 
@@ -32,14 +37,15 @@ class ComputationError(UserError):
 class WriteError(UserError):
     """A file cannot be written, for example on a full disk: exit code 1."""
 
-    exit_code = 1
-
     def __init__(self, path, reason):
-        super().__init__("the file cannot be written", path, reason, "check the folder, its rights and the free space")
+        super().__init__("the file cannot be written", path, reason, CHECK_STORAGE)
 
 
 def guarded(main):
-    """Decorator for a command's main(): prints a UserError without traceback and exits with its code."""
+    """Decorator for a command's main(): a UserError ends it with its message and exit code, without a traceback.
+
+    The same holds for a full disk or a forbidden folder (STORAGE_ERRORS, exit code 1) and for Ctrl-C (exit code 130).
+    """
 
     @functools.wraps(main)
     def run(*args, **kwargs):
@@ -48,6 +54,16 @@ def guarded(main):
         except UserError as error:
             print(error, file=sys.stderr)
             sys.exit(error.exit_code)
+        except KeyboardInterrupt:
+            print("ended by Ctrl-C", file=sys.stderr)
+            sys.exit(INTERRUPTED)
+        except OSError as error:
+            if error.errno not in STORAGE_ERRORS:
+                raise
+            where = error.filename or "a file of this command"
+            refused = UserError("a file cannot be read or written", where, error.strerror, CHECK_STORAGE)
+            print(refused, file=sys.stderr)
+            sys.exit(refused.exit_code)
 
     return run
 

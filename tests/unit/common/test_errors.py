@@ -1,5 +1,7 @@
 """A user's error ends a command with one message and its exit code; a defect keeps its traceback."""
 
+import errno
+
 import pytest
 
 from common.errors import ComputationError, InputError, error_message, error_sentence, error_summary, guarded
@@ -27,6 +29,46 @@ def test_guarded_lets_defects_through_and_returns_results():
     assert main(False) == 5
     with pytest.raises(KeyError):
         main(True)
+
+
+def test_a_full_disk_is_one_message_and_a_missing_file_a_defect(capsys):
+    @guarded
+    def main(number):
+        raise OSError(number, "the system's reason", "out.csv")
+
+    with pytest.raises(SystemExit) as end:
+        main(errno.ENOSPC)
+    assert end.value.code == 1
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[:3] == [
+        "error: a file cannot be read or written",
+        "  where:  out.csv",
+        "  value:  the system's reason",
+    ]
+    with pytest.raises(FileNotFoundError):
+        main(errno.ENOENT)
+
+
+def test_a_real_full_disk_ends_a_command_with_one_message(capsys):
+    @guarded
+    def main():
+        with open("/dev/full", "w") as file:
+            file.write("x")
+
+    with pytest.raises(SystemExit):
+        main()
+    assert "  value:  No space left on device" in capsys.readouterr().err
+
+
+def test_ctrl_c_ends_a_command_without_traceback(capsys):
+    @guarded
+    def main():
+        raise KeyboardInterrupt
+
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 130
+    assert capsys.readouterr().err == "ended by Ctrl-C\n"
 
 
 def test_the_last_error_of_a_log_counts_and_ends_it():

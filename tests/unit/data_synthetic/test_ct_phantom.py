@@ -122,7 +122,7 @@ def test_too_many_voxels_are_refused_with_their_key(wide):
 @pytest.mark.parametrize(
     "text, key",
     [
-        ("phantom: {voxel_mm: [0.35, 0.35, 0.05]}", "phantom.voxel_mm"),
+        ("phantom: {voxel_mm: [0.35, 0.35, 0.05]}", "phantom.voxel_mm[3]"),
         ("phantom: {noise_hu: -1}", "phantom.noise_hu"),
         ("phantom: {seed: 1.5}", "phantom.seed"),
         ("phantom: {hu: {blood: 4000}}", "phantom.hu.blood"),
@@ -136,7 +136,7 @@ def test_bad_settings_are_refused_with_their_key(tmp_path, text, key):
     path.write_text(text + "\n")
     with pytest.raises(InputError) as caught:
         config.load_section(path, "ct")
-    assert key.split(".")[-1] in str(caught.value)
+    assert caught.value.where.endswith(f", key {key}")
 
 
 def test_defaults_satisfy_the_schema(tmp_path):
