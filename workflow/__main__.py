@@ -71,7 +71,7 @@ def run_cohort(options):
     from workflow.cohort import draw_shards, projected_costs, run_shards
 
     start = time.monotonic()
-    shards = draw_shards(options.count, options.seed, options.out, options.folder, options.full)
+    shards = draw_shards(options.count, options.seed, options.out, options.folder, options.full, options.cores)
     rows = run_shards(shards, options.cores, dry_run=options.dry_run, keep_all=options.keep_all)
     total = {key: sum(row[key] for row in rows) for key in ("patients", "finished", "cpu_s", "kept_mb")}
     outcome = "planned" if options.dry_run else f"finished {total['finished']} of"

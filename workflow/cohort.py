@@ -30,13 +30,13 @@ PROJECTED_COUNTS = (1000, 100_000)  # numbers of patients whose cost is projecte
 COST_COLUMNS = ("shard", "patients", "finished", "wall_s", "cpu_s", "made_mb", "kept_mb")
 
 
-def draw_shards(count, seed, out, folder=pathlib.Path("config"), full=False):
+def draw_shards(count, seed, out, folder=pathlib.Path("config"), full=False, cores=1):
     """Draws patients 1 to `count` of a seed into shards below `out`; returns [(shard's folder, [case names])].
 
     Each shard is a configuration folder: study.yaml, devices, cases. full: whether to keep all settings of
     `folder`/study.yaml; otherwise REDUCED_SETTINGS replace some. Patient k of a seed is always the same, in the same
-    shard, whatever the count. The file of a patient drawn before is kept. Raises InputError for a count or seed out of
-    range.
+    shard, whatever the count. The file of a patient drawn before is kept. cores: patients drawn side by side. Raises
+    InputError for a count or seed out of range.
     """
     draw.check(count, seed)
     out, folder = pathlib.Path(out), pathlib.Path(folder)
@@ -45,19 +45,22 @@ def draw_shards(count, seed, out, folder=pathlib.Path("config"), full=False):
     study = yaml.safe_load((folder / "study.yaml").read_text())
     for section, values in () if full else REDUCED_SETTINGS.items():
         study[section] = {**study.get(section, {}), **values}
-    shards = []
+    shards, missing = [], []
     for first in range(0, count, SHARD_SIZE):
         shard_folder = out / "shards" / f"{first // SHARD_SIZE + 1:04d}"
         numbers = range(first + 1, min(first + SHARD_SIZE, count) + 1)
         names = [f"seed{seed}_{number:06d}" for number in numbers]
-        for name, number in zip(names, numbers):
-            if not (shard_folder / "cases" / f"{name}.yaml").exists():
-                draw.write_patient(seed, number, shard_folder / "cases" / f"{name}.yaml")
+        files = [shard_folder / "cases" / f"{name}.yaml" for name in names]
+        missing += [(number, file) for number, file in zip(numbers, files) if not file.exists()]
         _write_if_changed(
             shard_folder / "study.yaml", yaml.safe_dump({**study, "cohorts": {"shard": names}}, sort_keys=False)
         )
         shutil.copytree(folder / "devices", shard_folder / "devices", dirs_exist_ok=True)
         shards.append((shard_folder, names))
+    with concurrent.futures.ProcessPoolExecutor(cores) as pool:
+        drawn = [pool.submit(draw.write_patient, seed, number, file) for number, file in missing]
+        for one in concurrent.futures.as_completed(drawn):
+            one.result()  # raises the error of a patient that cannot be drawn
     return shards
 
 

@@ -26,7 +26,7 @@ constexpr int margin_percent = 60; // more than MUMPS expects, since pivoting ma
 /// Factors L U of a matrix. They have some 6 exact digits, and take half the memory and time of double precision.
 class Factors {
 public:
-  /// communicator: MPI_COMM_SELF as Fortran numbers it. MPI has to be initialised.
+  /// communicator: that of this process alone, by the number that it has in Fortran. MPI has to be initialised.
   explicit Factors(int communicator) {
     mumps_.par = 1;
     mumps_.sym = 0;

@@ -23,6 +23,16 @@ def markdown(headings, rows):
     return "".join(f"| {' | '.join(line)} |\n" for line in [headings, ["---"] * len(headings), *rows])
 
 
+def read_columns(path, columns):
+    """The rows (dicts of strings) of a CSV file that must have these columns. Raises InputError where one is missing."""
+    with path.open(newline="") as file:
+        reader = csv.DictReader(file)
+        missing = [name for name in columns if name not in (reader.fieldnames or [])]
+        if missing:
+            raise InputError("a table lacks columns", path, ", ".join(missing), "run what makes it again")
+        return list(reader)
+
+
 class Page:
     """The measured.md of `folder`, or the page that `folder` names.
 
@@ -45,14 +55,7 @@ class Page:
 
     def table(self, path, columns):
         """Markdown of the columns {name in the file: heading} of a CSV file. Raises InputError where one is missing."""
-        with path.open(newline="") as file:
-            reader = csv.DictReader(file)
-            missing = [name for name in columns if name not in (reader.fieldnames or [])]
-            if missing:
-                raise InputError(
-                    "a benchmark's table lacks columns", path, ", ".join(missing), "run the benchmark again"
-                )
-            rows = [[self.text(name, row[name]) for name in columns] for row in reader]
+        rows = [[self.text(name, row[name]) for name in columns] for row in read_columns(path, columns)]
         return markdown(list(columns.values()), rows)
 
     @staticmethod

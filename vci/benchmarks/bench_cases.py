@@ -109,13 +109,14 @@ def stented_slices(truth):
 
 
 def stenting_figures(outcome):
-    """{model: {below_chart_percent, recoil_mm, short_of_chart_mm, expansion_percent, gain_mm}} of one stented case.
+    """{model: {figure: value}} of one stented case. The models are engine and truth.
 
-    The models are engine and truth. below_chart_percent: by how much the smallest final diameter in the stent is below
-    the chart diameter of the largest balloon. recoil_mm: mean diameter of the inflated stent minus mean final diameter
-    (in the truth each slice at its widest inflation). short_of_chart_mm: the delivery balloon's chart diameter minus
-    its smallest diameter when inflated. expansion_percent: smallest area in the stent over the healthy area there.
-    gain_mm: mean increase of the lumen's diameter along the stents.
+    below_chart_percent: by how much the smallest final diameter in the stent is below the chart diameter of the largest
+    balloon. area_of_chart_percent: the smallest final area over that of a circle of the chart diameter. recoil_mm: mean
+    diameter of the inflated stent minus mean final diameter (in the truth each slice at its widest inflation).
+    short_of_chart_mm: the delivery balloon's chart diameter minus its smallest diameter when inflated.
+    expansion_percent: smallest area in the stent over the healthy area there. gain_mm: mean increase of the lumen's
+    diameter along the stents.
     """
     plan, engine, truth = outcome.plan, outcome.engine, outcome.truth
     widest = max(
@@ -140,6 +141,7 @@ def stenting_figures(outcome):
     values = {
         key: {
             "below_chart_percent": 100 * (1 - circle_diameter(area) / widest),
+            "area_of_chart_percent": 100 * (circle_diameter(area) / widest) ** 2,
             "expansion_percent": 100 * area / healthy,
         }
         for key, area in smallest_areas.items()

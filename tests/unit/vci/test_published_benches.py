@@ -12,6 +12,8 @@ from vci.benchmarks.bench_cases import CaseOutcome
 from vci.benchmarks.device_shapes import ring_diameters
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
+FIGURES = ("below_chart_percent", "area_of_chart_percent", "short_of_chart_mm", "recoil_mm", "gain_mm")
+FIGURES += ("expansion_percent",)  # of bench_cases.stenting_figures
 
 
 def write_tube(path, radii, around=16, spacing=0.5):
@@ -65,7 +67,10 @@ def test_distances_from_the_chart(stented):
     figures = bench_cases.stenting_figures(stented)
     assert figures["engine"]["below_chart_percent"] == pytest.approx(20.0)
     assert figures["truth"]["below_chart_percent"] == pytest.approx(100 * (1 - 0.8 * 1.1**0.5))
+    assert figures["engine"]["area_of_chart_percent"] == pytest.approx(64.0)
+    assert figures["truth"]["area_of_chart_percent"] == pytest.approx(64.0 * 1.1)
     assert [figures[model]["expansion_percent"] for model in ("engine", "truth")] == pytest.approx([80, 88])
+    assert all(set(values) == set(FIGURES) for values in figures.values())
     assert figures["engine"]["recoil_mm"] == pytest.approx(0.2) and figures["truth"]["recoil_mm"] == pytest.approx(0.2)
     assert figures["engine"]["short_of_chart_mm"] == pytest.approx(3.0 - 2.6), "the cylinder's rings, not its cones'"
     assert figures["truth"]["short_of_chart_mm"] == pytest.approx(3.0 - 2.4)
@@ -114,8 +119,7 @@ def test_the_share_of_patients_below_eighty_percent(monkeypatch, tmp_path):
     expansions = iter([70, 79, 81, 90])
 
     def fake_figures(outcome):
-        figures = dict.fromkeys(("below_chart_percent", "short_of_chart_mm", "recoil_mm", "gain_mm"), 1.0)
-        figures["expansion_percent"] = next(expansions)
+        figures = dict.fromkeys(FIGURES, 1.0) | {"expansion_percent": next(expansions)}
         return {"engine": figures, "truth": figures | {"expansion_percent": 85}}
 
     for k in range(4):
@@ -127,3 +131,50 @@ def test_the_share_of_patients_below_eighty_percent(monkeypatch, tmp_path):
     row = {row["quantity"]: row for row in published.drawn_cohort(tmp_path, tmp_path, 4, 1)}
     found = row["patients with a smallest area below 80 % of the healthy one"]
     assert (found["engine"], found["truth"], found["published"], found["n"]) == ("50", "0", "34.6", 4)
+
+
+@pytest.fixture
+def rows_without_engine(monkeypatch, tmp_path):
+    """The rows of all benches, as they are written when every stent is 3.0 mm wide and every figure is 80."""
+    figures = dict.fromkeys(FIGURES, 80.0)
+    outcome = CaseOutcome(tmp_path, engine={"stents": []})
+    diameters = np.array([-1.0, 0.0, 1.0]), np.full(3, 3.0)
+    monkeypatch.setattr(published, "stent_diameters", lambda *arguments: diameters)
+    monkeypatch.setattr(published, "ring_diameters", lambda path: diameters)
+    monkeypatch.setattr(published, "run_program", lambda command: None)
+    monkeypatch.setattr(bench_cases, "run_engine_and_truth", lambda *arguments: outcome)
+    monkeypatch.setattr(bench_cases, "stenting_figures", lambda outcome: {"engine": figures, "truth": figures})
+    monkeypatch.setattr(bench_cases, "inflated_expansion", lambda outcome, healthy: {"engine": 80.0, "truth": 80.0})
+    (tmp_path / "drawn").mkdir()
+    for k in range(2):
+        (tmp_path / "drawn" / f"patient{k}.yaml").touch()
+    families = load_devices(ROOT / "config" / "devices")
+    return list(published.all_rows(tmp_path, tmp_path, families, drawn=2, seed=1))
+
+
+def test_every_published_measurement_has_a_row_or_a_reason(rows_without_engine):
+    """Twelve sources were read. None may be left out without a word."""
+    compared = {row["source"] for row in rows_without_engine if row.get("engine")}
+    explained = {entry.source for entry in published.NOT_COMPARED}
+    assert len(published.SOURCES) == 12
+    assert compared | explained == set(published.SOURCES)
+    assert explained - compared == {published.MARTIN, published.KITAHARA}
+
+
+def test_a_row_without_our_figure_gives_the_reason(rows_without_engine):
+    """No row stands empty: it has a figure of ours, or its remark is that of NOT_COMPARED."""
+    empty = [row for row in rows_without_engine if not row.get("engine")]
+    assert [row["quantity"] for row in empty] == ["change of expansion by 0.5 mm of thickness"]
+    assert published.THICKNESS.reason in empty[0]["remark"]
+
+
+def test_rows_have_the_columns_of_the_table(rows_without_engine, tmp_path):
+    published.write_rows(tmp_path / "published.csv", rows_without_engine)
+    quantities = [row["quantity"] for row in rows_without_engine]
+    assert "4.0 mm stent after a 6.0 mm balloon at 14 bar" in quantities
+    assert "gain in lumen diameter along the stent" in quantities
+    assert "patients with a smallest area below 80 % of the healthy one" in quantities
+    assert "smallest area over the circle of the largest balloon's chart" in quantities
+    assert len(quantities) == len(set(zip(quantities, (row["bench"] for row in rows_without_engine))))
+    with pytest.raises(ValueError, match="bar"):
+        published.write_rows(tmp_path / "published.csv", [{"bar": 1}])

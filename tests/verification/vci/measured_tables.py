@@ -3,17 +3,21 @@
     /usr/bin/python3 tests/verification/vci/measured_tables.py results
 
 A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`. NAME is the folder of a benchmark, a cohort
-of PREFIXES, or `first_steps`. A table stays as it is if it was not run.
+of PREFIXES, or another key of TABLE_FUNCTIONS. A table stays as it is if it was not run. Below the tables of a cohort
+stands the revision of the run.
 """
 
-import csv
 import functools
 import pathlib
 import sys
 
-sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1])]
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[up]) for up in (1, 3)]
 
-from page_tables import Page, markdown  # noqa: E402
+from page_tables import Page, markdown, read_columns  # noqa: E402
+
+from common.documents.json_reader import read  # noqa: E402
+from reports.study.agreement import published_results  # noqa: E402
+from vci.benchmarks.published import NOT_COMPARED  # noqa: E402
 
 # benchmark: (the file of its results, {column of the file: heading on the page})
 TABLES = {
@@ -169,26 +173,85 @@ CONTRAST_ERRORS = {
     "mean_curvature": ("mean curvature, 1/mm", "+.3f"),
 }
 CONTRAST_HEADINGS = ["case", "truth: mean and smallest area, mm2"]
-CONTRAST_HEADINGS += [f"{heading}: VCI, radius correction" for heading, _ in CONTRAST_ERRORS.values()]
+CONTRAST_HEADINGS += [f"{heading}: VCI, radius correction (stent alone)" for heading, _ in CONTRAST_ERRORS.values()]
+EXAMPLE_HEADINGS = ["case", "FFR after PCI", "radius correction, stent alone", "VCI"]
+EXAMPLE_HEADINGS += ["error of radius correction", "error of VCI"]
+
+
+def contrast_rows(results, cohort):
+    """{case without the cohort's prefix: {quantity: row}} of contrast.csv in a folder of results; empty if not run.
+
+    A row is a dict of strings. Raises InputError if the file has other columns than today's.
+    """
+    path, prefix, cases = results / "study" / "contrast.csv", PREFIXES[cohort], {}
+    if path.is_file():
+        for row in read_columns(path, ["case", "quantity", "value", "error_vci", "error_rc", "error_rc_stent"]):
+            if row["case"].startswith(prefix):
+                cases.setdefault(row["case"].removeprefix(prefix), {})[row["quantity"]] = row
+    return cases
 
 
 def errors_of_both_methods(results, cohort):
-    """Markdown with a row for each case of a cohort: both methods' errors; None if contrast.csv has no such case."""
-    path, prefix, cases = results / "study" / "contrast.csv", PREFIXES[cohort], {}
-    if path.is_file():
-        with path.open(newline="") as file:
-            for row in csv.DictReader(file):
-                if row["case"].startswith(prefix):
-                    cases.setdefault(row["case"].removeprefix(prefix), {})[row["quantity"]] = row
+    """Markdown with a row for each case of a cohort, and the run's revision; None if contrast.csv has no such case.
+
+    A cell has the errors of VCI and of radius correction by the largest balloon. In parentheses follows the error of
+    radius correction by the stents alone, if the case has that reading.
+    """
     rows = []
-    for case, found in cases.items():
+    for case, found in contrast_rows(results, cohort).items():
         areas = [f"{float(found[name]['value']):.2f}" for name in ("mean_area", "minimum_area")]
         row = [f"`{case}`", ", ".join(areas)]
         for quantity, (_, digits) in CONTRAST_ERRORS.items():
-            errors = [found.get(quantity, {}).get(f"error_{method}", "") for method in ("vci", "rc")]
-            row.append(", ".join(f"{float(error):{digits}}" for error in errors if error))
+            errors = found.get(quantity, {})
+            vci, largest, alone = (
+                f"{float(errors[column]):{digits}}" if errors.get(column) else ""
+                for column in ("error_vci", "error_rc", "error_rc_stent")
+            )
+            readings = " ".join(filter(None, [largest, f"({alone})" if alone else ""]))
+            row.append(", ".join(filter(None, [vci, readings])))
         rows.append(row)
-    return markdown(CONTRAST_HEADINGS, rows) if rows else None
+    return f"{markdown(CONTRAST_HEADINGS, rows)}\n{run_note(results)}\n" if rows else None
+
+
+def example_of_the_source(results):
+    """Markdown: FFR by radius correction of the stent alone, by VCI and after PCI, in the source and in the cases.
+
+    A case of the cohort `contrast` has a row if it has that reading. None if contrast.csv has no such case.
+    """
+    rows = []
+    for case, found in contrast_rows(results, "contrast").items():
+        ffr = found.get("ffr", {})
+        if ffr.get("error_rc_stent"):
+            after, *errors = (float(ffr[column]) for column in ("value", "error_rc_stent", "error_vci"))
+            rows.append(example_row(f"`{case}`", after, errors, 4))
+    if not rows:
+        return None
+    example = published_results()["example"]
+    after, *predicted = (example["ffr"][key] for key in ("after", "rc_stent", "vci"))
+    source = example_row(f"Lyu et al., figure {example['figure']}", after, [found - after for found in predicted], 2)
+    return f"{markdown(EXAMPLE_HEADINGS, [source, *rows])}\n{run_note(results)}\n"
+
+
+def example_row(name, after, errors, digits):
+    """Cells of a row of the example: FFR `after` PCI, and both predictions with their `errors` (a list of two)."""
+    predicted = [f"{after + error:.{digits}f}" for error in errors]
+    return [name, f"{after:.{digits}f}", *predicted, *(f"{error:+.{digits}f}" for error in errors)]
+
+
+def run_note(results):
+    """A sentence with the revision of the study in a folder of results. Raises InputError for a damaged file."""
+    file = results / "study" / "provenance.json"
+    if not file.is_file():
+        return "The revision of this run was not written down."
+    software = read(file, "vci-provenance-1").data["software"]
+    changed = ", with changes that were not committed" if software["modified"] else ""
+    return f"Run of revision {software['revision'][:8]}{changed}."
+
+
+def not_compared(results):
+    """Markdown: published measurements without a figure of ours, from NOT_COMPARED. `results` is not used."""
+    rows = [[entry.measured, entry.reason, entry.source] for entry in NOT_COMPARED]
+    return markdown(["published", "why there is no figure of ours", "source"], rows)
 
 
 def differences_by_first_step(results):
@@ -198,7 +261,8 @@ def differences_by_first_step(results):
 
 
 TABLE_FUNCTIONS = {cohort: functools.partial(errors_of_both_methods, cohort=cohort) for cohort in PREFIXES}
-TABLE_FUNCTIONS["first_steps"] = differences_by_first_step
+TABLE_FUNCTIONS |= {"first_steps": differences_by_first_step, "contrast_example": example_of_the_source}
+TABLE_FUNCTIONS["not_compared"] = not_compared
 PAGE = Page("vci", TABLES, DIGITS, TABLE_FUNCTIONS)
 
 if __name__ == "__main__":
