@@ -141,9 +141,10 @@ def run_sensitivity(args):
 
 
 def run_software(args):
+    from reports.page.folder import three_version
     from reports.study.software import software_versions
 
-    write_json(args.out, software_versions(REPOSITORY))
+    write_json(args.out, software_versions(REPOSITORY, {"three.js": three_version()}))
 
 
 def run_report(args):

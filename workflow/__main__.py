@@ -114,7 +114,7 @@ def main(arguments=None):
     provenance.add_argument("--folder", type=pathlib.Path, default=folder, help="of the configuration (config)")
     provenance.add_argument("--cases", nargs="+", required=True, help="names of the study's cases")
     provenance.add_argument("--results", type=pathlib.Path, default=results, help="root of the products (results)")
-    provenance.add_argument("--programs", nargs="+", type=pathlib.Path, required=True, help="vci and lumen")
+    provenance.add_argument("--programs", nargs="+", type=pathlib.Path, required=True, help="vci, lumen, modules")
     provenance.add_argument("--software", type=pathlib.Path, required=True, help="software.json of the study")
     provenance.add_argument("--out", type=pathlib.Path, required=True, help="provenance.json")
     provenance.set_defaults(run=run_provenance)

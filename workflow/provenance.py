@@ -27,7 +27,7 @@ ENVIRONMENT_VARIABLES = ("GLIBC_TUNABLES", "NPY_DISABLE_CPU_FEATURES", "OMP_NUM_
 def write_provenance(configuration, cases, results, programs, software, out):
     """Writes `out` (JSON) for the finished `cases` of a `Configuration`.
 
-    results: root of the products. programs: the compiled programs. software: software.json of the same run.
+    results: root of the products. programs: the compiled programs and modules. software: software.json of the same run.
     Raises InputError for a case that is not finished, or whose log holds no command.
     """
     document = {

@@ -8,7 +8,7 @@ import markupsafe
 
 from common.files import sha256
 from common.patient.states import PREDICTED_FROM_CT, STATES
-from reports.study.agreement import published_results
+from reports.study.agreement import published_provenance, published_results
 from reports.study.bland_altman import sample_sd
 from reports.study.differences import COHORT_ROW_NAME
 from reports.study.inclusion import patient_groups
@@ -18,11 +18,13 @@ from reports.figures.style import ERROR_LABELS, LABELS, SHORT_LABELS
 from reports.page.agreement import agreement_groups, contrast_rows, excluded_patients
 from reports.page.benchmarks import read_benchmarks
 from reports.page.case_context import case_context
+from reports.page.check import Page
 from reports.page.data_files import write_case_data, write_study_data
 from reports.page.digits import FILTERS
 from reports.page.evidence import evidence_context
-from reports.page.folder import BENCHMARKS, INDEX, TEMPLATE_FOLDER, report_folder, three_version
+from reports.page.folder import BENCHMARKS, INDEX, TEMPLATE_FOLDER, case_page, report_folder, three_version
 from reports.page.geometry import colour_tables
+from reports.page.source_map import source_map_rows
 from reports.page.sources import selection, source_of
 from reports.page.verdict.lines import verdict
 from reports.inputs.reading import read_failed, read_json
@@ -61,7 +63,9 @@ def build_report(
             write_case_data(folder, files, context)
         folder.write_assets(three)
         pages = Pages(folder, contexts, benchmarks, selection(cohort, [files.case for files in cases], failed))
-        pages.write_index(
+        pages.write_cases(records(study_table(study_dir, "timings")))
+        pages.write_benchmarks()
+        pages.write_index(  # last: it links to places on the other pages
             cohort=cohort,
             failed=failed_steps,
             evidence=evidence,
@@ -69,16 +73,17 @@ def build_report(
             provenance=provenance_summary(provenance) if provenance else None,
             **study_context(study_dir, figures_dir, folder, contexts, failed_steps),
         )
-        pages.write_cases(records(study_table(study_dir, "timings")))
-        pages.write_benchmarks()
 
 
 class Pages:
-    """Writes the pages into a ReportFolder. contexts: case_context of each case. selection: from sources.selection."""
+    """Writes the pages into a ReportFolder. contexts: case_context of each case. selection: from sources.selection.
+
+    ids: {name of a page: ids of its elements} of the pages written so far.
+    """
 
     def __init__(self, folder, contexts, benchmarks, selection):
         self.folder, self.contexts, self.benchmarks, self.selection = folder, contexts, benchmarks, selection
-        self.environment = environment()
+        self.environment, self.ids = environment(), {}
         self.shared = {
             "names": [context["name"] for context in contexts],
             "published": published_results(),
@@ -87,8 +92,12 @@ class Pages:
         }
 
     def write_index(self, **context):
-        """Writes the first page. context: what its templates need beside the cases."""
-        self._write(INDEX, "index.html.j2", index="", cases=self.contexts, **context)
+        """Writes the first page, after all others. context: what its templates need beside the cases."""
+
+        def find_sources(sections):
+            return source_map_rows({**self.ids, INDEX: Page(sections).ids}, self.shared["names"])
+
+        self._write(INDEX, "index.html.j2", index="", cases=self.contexts, find_sources=find_sources, **context)
 
     def write_cases(self, timings):
         """Writes a page for each case. timings: rows of timings.csv."""
@@ -115,7 +124,9 @@ class Pages:
 
         own = {"root": root, "index": f"{root}{INDEX}", "case": case, "on_benchmarks": False}
         own.update(source=source, source_line=source_line)
-        self.folder.write(name, self.environment.get_template(template).render({**own, **self.shared, **context}))
+        text = self.environment.get_template(template).render({**own, **self.shared, **context})
+        self.ids[name] = Page(text).ids
+        self.folder.write(name, text)
 
 
 def study_context(study_dir, figures_dir, folder, contexts, failed):
@@ -154,11 +165,6 @@ def study_context(study_dir, figures_dir, folder, contexts, failed):
     }
 
 
-def case_page(name):
-    """The address of a case's page below the report's folder."""
-    return f"cases/{name}.html"
-
-
 def provenance_summary(path):
     """Summary of provenance.json for the page: its hash, and how many inputs, commands and products it lists."""
     cases = read_json(path, "workflow provenance")["cases"].values()
@@ -180,7 +186,8 @@ def environment():
         lstrip_blocks=True,
     )
     env.filters.update(FILTERS, case_page=case_page)
-    env.globals.update(benchmarks_page=BENCHMARKS, root="", source=lambda key: "", source_line=lambda source: "")
+    env.globals.update(benchmarks_page=BENCHMARKS, published_from=published_provenance)
+    env.globals.update(root="", source=lambda key: "", source_line=lambda source: "")
     return env
 
 

@@ -25,6 +25,11 @@ INDEX, BENCHMARKS = "index.html", "benchmarks.html"
 OWN_ENTRIES = ("assets", "cases", "data", "figures", BENCHMARKS, INDEX)
 
 
+def case_page(name):
+    """The address of a case's page below the report's folder."""
+    return f"cases/{name}.html"
+
+
 class ReportFolder:
     """The report's files below `path`. Methods take and return their names relative to it.
 

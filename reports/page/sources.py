@@ -37,6 +37,10 @@ SOURCES = {
     "failed": Source(data=("failed.csv",), note="written by <code>make study</code> when a step fails"),
     "evidence": Source(data=("evidence.csv",), note="made by <code>make test</code> before the report"),
     "software": Source("results/study/software.json", ("software.json",)),
+    "source_map": Source(
+        note="<code>reports/page/source_map.yaml</code> of the package, which has the tables of "
+        "<code>docs/source-map.md</code>"
+    ),
     "lumen": Source(
         "results/figures/{case}_lumen.svg", note=f"surfaces <code>{CASE}/&lt;state&gt;/anatomy/lumen.vtp</code>"
     ),

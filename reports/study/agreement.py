@@ -35,8 +35,23 @@ PUBLISHED_COLUMNS = ["published_n", "published_bias", "published_sd", "published
 
 
 def published_results():
-    """The published agreement and seconds (dict): the content of reports/study/published.json."""
+    """The published agreement and seconds (dict): the content of reports/study/published.json.
+
+    provenance: which values were read where (see published_provenance). decimals: how many the source prints, in all
+    values.
+    """
     return json.loads(PUBLISHED_FILE.read_text())
+
+
+def published_provenance(name):
+    """Where the published values under `name` were read, in words: "from the abstract of the article, ...".
+
+    name: keys of published.json joined by points, such as "seconds.stage". Raises KeyError if the file does not say.
+    """
+    for source in published_results()["provenance"].values():
+        if any(f"{name}.".startswith(f"{values}.") for values in source["values"]):
+            return source["words"]
+    raise KeyError(name)
 
 
 def paired_values(documents, quantity, a, b):

@@ -1,4 +1,4 @@
-"""What a study runs on: operating system, Debian packages, git revision, and the machine."""
+"""What a study runs on: operating system, versions of packages and libraries, git revision, and the machine."""
 
 import pathlib
 import subprocess
@@ -23,17 +23,20 @@ PACKAGES = (
     "python3-vtk9",
     "python3-numpy",
     "python3-scipy",
+    "python3-pandas",
     "python3-matplotlib",
+    "python3-jinja2",
     "snakemake",
 )
 OS_RELEASE = pathlib.Path("/etc/os-release")
 
 
-def software_versions(repository):
+def software_versions(repository, bundled=None):
     """{"system", "machine", "revision", "modified", "packages": {name: version}}, the content of software.json.
 
     machine: result of common.machine. modified: whether files of the repository differ from its revision. Packages
-    that are not installed are left out. Raises InputError outside a git repository.
+    that are not installed are left out. bundled: {name: version} of libraries that come with the repository instead of
+    a Debian package; they stand among the packages. Raises InputError outside a git repository.
     """
     release = dict(line.split("=", 1) for line in OS_RELEASE.read_text().splitlines() if "=" in line)
     listing = subprocess.run(
@@ -43,15 +46,14 @@ def software_versions(repository):
         check=False,  # the exit code only reports packages that are not installed
     ).stdout
     rows = [line.split("\t") for line in listing.splitlines()]
+    versions = {name: version for status, name, version in rows if status == "installed"} | (bundled or {})
     return {
         "schema": "vci-software-1",
         "system": release["PRETTY_NAME"].strip('"'),
         "machine": machine(),
         "revision": git_output(repository, "rev-parse", "HEAD"),
         "modified": bool(git_output(repository, "status", "--porcelain", "--untracked-files=no")),
-        "packages": {
-            name: version for status, name, version in sorted(rows, key=lambda row: row[1]) if status == "installed"
-        },
+        "packages": dict(sorted(versions.items())),
     }
 
 

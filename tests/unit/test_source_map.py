@@ -1,8 +1,14 @@
 """docs/source-map.md: every equation, figure and table of the source has a row, and what the rows name exists."""
 
+import pathlib
 import re
+import sys
 
 import pytest
+
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1] / "verification")]
+
+import source_tables  # noqa: E402
 
 NAMED = re.compile(r"`([\w./-]+/[\w.-]+\.(?:hpp|cpp|py|smk|json))`(?:: ((?:`\w+`(?:, )?)+))?")
 DECLARED = {
@@ -15,16 +21,16 @@ DECLARED = {
 
 
 def rows(text):
-    """First and last cell of each row of the tables whose columns are number, what, here."""
+    """(number, here) of each row of the tables whose first columns are number, what, here."""
     found, reading = [], False
     for line in text.splitlines():
         if not line.startswith("|"):
             reading = False
-        elif line == "| number | what | here |":
+        elif line.startswith("| number | what | here |"):
             reading = True
         elif reading and not line.startswith("| ---"):
             cells = [cell.strip() for cell in line.strip("|").split("|")]
-            found.append((cells[0], cells[-1]))
+            found.append((cells[0], cells[2]))
     return found
 
 
@@ -57,6 +63,11 @@ def test_a_row_names_a_file_or_says_why_there_is_none(page):
     for number, here in rows(page):
         assert NAMED.search(here) or here.startswith("none: "), number
         assert len(here) > 10, number
+
+
+def test_the_tables_that_the_report_shows_too_are_those_of_its_file(page):
+    assert source_tables.PAGE.names(page) == {"equations", "figures"}
+    assert source_tables.PAGE.filled(page, None) == page, "run tests/verification/source_tables.py"
 
 
 def test_what_the_page_names_exists(page, repo_root):

@@ -8,6 +8,9 @@ import pytest
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1] / "verification")]
 
 import study_tables  # noqa: E402
+from page_tables import TABLE_MARKS  # noqa: E402
+
+from reports.study.agreement import published_results  # noqa: E402
 
 COHORT = """case,pre_ffr_distal,reference_ffr_distal,vci_ffr_distal,rc_ffr_distal,{areas},deployment_expansion_index
 a,0.70,0.90,0.91,0.92,{values},0.8
@@ -37,11 +40,61 @@ def test_mean_and_deviation_of_those_that_have_a_value(results):
     assert ffr.startswith("| FFR | 0.710 ± 0.014 | 0.920 ± 0.028 | 0.910 |")
 
 
+def test_straightening_is_the_share_of_the_curvature_before(results):
+    """From 9.5 /mm before to 10.5 in the reference: less by -11 %. A patient without a predicted lumen has no share."""
+    lines = study_tables.straightening(results).splitlines()
+    assert lines[2] == "| a | 9.500 | 10.500 | 11.500 | 12.500 | -11 | -21 | -32 |"
+    assert lines[4] == "| all |  |  |  |  | -11 ± 0 | -21 ± 0 | -32 ± 0 |"
+    path = results / "study" / "cohort.csv"
+    path.write_text(
+        path.read_text().replace("11.5,12.5,\n", ",12.5,\n").replace("10.5,11.5,12.5,0.8", "4.75,11.5,12.5,0.8")
+    )
+    lines = study_tables.straightening(results).splitlines()
+    assert lines[2].endswith("| 50 | -21 | -32 |") and lines[3].endswith("|  | 12.500 | -11 |  | -32 |")
+    assert lines[4] == "| all |  |  |  |  | 20 ± 43 |  | -32 ± 0 |"
+
+
 @pytest.mark.parametrize(
     "value, said", [("0.00079", "+0.00079"), ("-0.0126", "-0.013"), ("0.31", "+0.310"), ("0", "0.000")]
 )
 def test_a_small_bias_has_two_digits(value, said):
     assert study_tables.format_small(value, 3) == said
+
+
+def test_published_values_keep_the_digits_of_the_source(results):
+    """The study's own values have as many as they need, the published ones no invented digit."""
+    columns = "patients,quantity,comparison,n,bias,sd,loa_lower,loa_upper,published_bias,published_sd"
+    rows = ["included,ffr,ct_vci_minus_ct,9,-0.00077,0.0021,-0.005,0.003,-0.02,0.05"]
+    rows += ["included,mean_area,ct_vci_minus_ct,9,-0.53,0.438,-1.38,0.33,-1.55,1.89"]
+    rows += ["included,minimum_area,ct_vci_minus_ct,9,-0.7,0.628,-1.93,0.53,,"]
+    (results / "study" / "agreement.csv").write_text("\n".join([columns, *rows]) + "\n")
+    ffr, area, smallest = study_tables.agreement(results).splitlines()[2:]
+    assert ffr.endswith("| -0.00077 | 0.0021 | -0.005 to +0.003 | -0.02 ± 0.05 |")
+    assert area.endswith("| -1.55 ± 1.89 |") and smallest.endswith("|  |")
+    rows = [
+        "by,name,n,mean_s,sd_s,published_mean_s,published_sd_s",
+        "step,stent,9,4.16,2.54,8.5,",
+        "all,a,9,1,2,24.92,1.0",
+    ]
+    (results / "study" / "seconds.csv").write_text("\n".join(rows) + "\n")
+    step, procedure = study_tables.seconds(results).splitlines()[2:]
+    assert step.endswith("| 8.50 |") and procedure.endswith("| 24.92 ± 1.00 |")
+
+
+def test_published_values_of_the_page_are_those_of_the_file():
+    text, published = study_tables.PAGE.path.read_text(), published_results()["quantities"]
+    agreement = {f"{row['bias']:.2f} ± {row['sd']:.2f}" for row in published.values()}
+    tables = {found[2]: found[0].splitlines() for found in TABLE_MARKS.finditer(text)}
+    for name in ("agreement", "half_maximum"):
+        cells = {line.split("|")[-2].strip() for line in tables[name] if "all together" in line}
+        assert cells - {""} == agreement, name
+    for row in published.values():
+        assert all(f"{row[state]['mean']:.2f} ± {row[state]['sd']:.2f}" in text for state in ("predicted", "reference"))
+
+
+def test_the_page_says_that_p_is_not_corrected():
+    text = " ".join(study_tables.PAGE.path.read_text().split())
+    assert "The p values are not corrected for the number of rows" in text
 
 
 def test_the_page_has_a_place_for_each_table_and_keeps_what_was_not_run(tmp_path):

@@ -24,7 +24,7 @@ def markdown(headings, rows):
 
 
 def read_columns(path, columns):
-    """The rows (dicts of strings) of a CSV file that must have these columns. Raises InputError where one is missing."""
+    """The rows (dicts of strings) of a CSV file that must have these columns. Raises InputError if one lacks."""
     with path.open(newline="") as file:
         reader = csv.DictReader(file)
         missing = [name for name in columns if name not in (reader.fieldnames or [])]

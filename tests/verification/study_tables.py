@@ -10,6 +10,7 @@ import json
 import pathlib
 import sys
 
+import numpy as np
 import pandas as pd
 
 sys.path[:0] = [str(pathlib.Path(__file__).parent), str(pathlib.Path(__file__).resolve().parents[2])]
@@ -17,9 +18,11 @@ sys.path[:0] = [str(pathlib.Path(__file__).parent), str(pathlib.Path(__file__).r
 from page_tables import Page, markdown  # noqa: E402
 
 from reports.page.digits import signed_decimals  # noqa: E402
+from reports.study.agreement import published_results  # noqa: E402
 
 STATES_AFTER = ("reference", "vci", "rc")
 DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}
+PUBLISHED_DIGITS = published_results()["decimals"]  # as many as the source prints
 QUANTITY_NAMES = {"ffr": "FFR", "mean_area": "mean area, mm2", "minimum_area": "smallest area, mm2"}
 QUANTITY_NAMES |= {"mean_curvature": "mean curvature, 1/mm"}
 COMPARISON_NAMES = {
@@ -49,6 +52,11 @@ def format_number(text, digits, sign=""):
 def format_small(text, least):
     """A bias as the report's page writes it: `least` decimals, or more if two significant digits need them."""
     return signed_decimals(float(text), least).replace("−", "-")
+
+
+def format_published(mean, sd):
+    """A published mean and its ± with the digits of the source, such as -0.02 ± 0.05; empty where there is none."""
+    return " ± ".join(format_number(text, PUBLISHED_DIGITS) for text in (mean, sd) if text)
 
 
 def patients(results):
@@ -89,6 +97,28 @@ def spread(results):
     return markdown(["over the patients", *states], table)
 
 
+def straightening(results):
+    """Markdown: mean curvature before and after in each patient, and by what share of it each vessel is less bent."""
+    rows = read_rows(results, "cohort")
+    if rows is None:
+        return None
+    table, losses = [], {state: [] for state in STATES_AFTER}
+    for row in rows:
+        before, *after = (row[f"{state}_mean_curvature_per_mm"] for state in ("pre", *STATES_AFTER))
+        line = [row["case"], *(format_number(text, DIGITS["mean_curvature"]) for text in (before, *after))]
+        for state, text in zip(STATES_AFTER, after):
+            loss = 100 * (1 - float(text) / float(before)) if text else None
+            line.append("" if loss is None else f"{loss:.0f}")
+            losses[state] += [] if loss is None else [loss]
+        table.append(line)
+    means = [
+        f"{np.mean(found):.0f} ± {np.std(found, ddof=1):.0f}" if len(found) > 1 else "" for found in losses.values()
+    ]
+    table.append(["all", "", "", "", "", *means])
+    headings = ["patient", "before, 1/mm", *(f"{state}, 1/mm" for state in STATES_AFTER)]
+    return markdown([*headings, *(f"{state}: less by, %" for state in STATES_AFTER)], table)
+
+
 def half_maximum(results):
     """`agreement` of the lumens that were found in the CT at half maximum."""
     return agreement(results, "half_maximum")
@@ -104,9 +134,7 @@ def agreement(results, name="agreement"):
         if row["patients"] != "included" or row["comparison"] not in COMPARISON_NAMES:
             continue
         digits = DIGITS[row["quantity"]]
-        published = ""
-        if row["published_bias"]:
-            published = f"{format_small(row['published_bias'], digits)} ± {format_number(row['published_sd'], digits)}"
+        published = format_published(row["published_bias"], row["published_sd"])
         low, high = (format_number(row[f"loa_{end}"], digits, "+") for end in ("lower", "upper"))
         line = [
             QUANTITY_NAMES[row["quantity"]],
@@ -142,8 +170,7 @@ def seconds(results):
     table = []
     for row in rows:
         own = f"{float(row['mean_s']):.2f}" + (f" ± {float(row['sd_s']):.2f}" if row["sd_s"] else "")
-        published = format_number(row["published_mean_s"], 2)
-        published += f" ± {float(row['published_sd_s']):.2f}" if row["published_sd_s"] else ""
+        published = format_published(row["published_mean_s"], row["published_sd_s"])
         table.append([row["by"], row["name"], row["n"], own, published])
     return markdown(["by", "name", "n", "seconds", "published"], table)
 
@@ -192,7 +219,7 @@ def cost(results):
 
 
 TABLE_FUNCTIONS = {"patients": patients, "spread": spread, "agreement": agreement, "nearer": nearer, "seconds": seconds}
-TABLE_FUNCTIONS |= {"half_maximum": half_maximum, "cost": cost, "plans": plans}
+TABLE_FUNCTIONS |= {"half_maximum": half_maximum, "cost": cost, "plans": plans, "straightening": straightening}
 PAGE = Page("docs/nine-patients.md", {}, {}, TABLE_FUNCTIONS)
 
 if __name__ == "__main__":

@@ -289,8 +289,8 @@ rule software:
         "versions of the software"
     input:
         MADE_OF_CASES,  # written anew with any result, since the revision may have changed since
-        programs=[VCI, LUMEN],
-        code=command_code("reports", "run_software"),
+        programs=[VCI, LUMEN, FLOW_FACTORS],
+        code=command_code("reports", "run_software") + ["reports/page/three/package.json"],
     output:
         "results/study/software.json",
     log:
@@ -307,7 +307,7 @@ rule provenance:
     input:
         MADE_OF_CASES,  # each product and each log is then written
         software="results/study/software.json",
-        programs=[VCI, LUMEN],
+        programs=[VCI, LUMEN, FLOW_FACTORS],
         code=command_code("workflow", "run_provenance"),
     output:
         "results/study/provenance.json",
@@ -342,8 +342,9 @@ rule report:
         provenance="results/study/provenance.json",
         code=command_code("reports", "run_report") + ["reports/study/published.json"],
         claims=["reports/page/claims.yaml", "config/schemas/claims.schema.yaml"],
+        source_map=["reports/page/source_map.yaml", "config/schemas/source_map.schema.yaml"],
         templates=INPUTS.page_templates(),
-        three=os.path.join(config.get("build", "build"), "three.min.js"),
+        three=os.path.join(BUILD, "three.min.js"),
         solved=solved_plans(CASES),
         tests=test_results(),
         failed=FAILED or [],

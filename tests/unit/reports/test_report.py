@@ -14,6 +14,7 @@ from reports.page.check import check_report, read_pages, run_browser
 from reports.page.digits import fixed, signed, signed_decimals, signed_significant, significant
 from reports.page.evidence import evidence_rows, read_test_results
 from reports.page.folder import report_folder
+from reports.page.source_map import read_source_map
 
 JUNIT = """<testsuites><testsuite>
 <testcase classname="tests.verification.flow.test_poiseuille" name="test_drop" time="1.5"/>
@@ -192,6 +193,23 @@ def test_report_with_ct_keeps_four_errors_apart_and_shows_the_warnings(study):
 
 
 @pytest.mark.slow
+def test_the_figures_of_the_source_lead_to_their_places(study, tmp_path):
+    """With the two pictures that rules of their own draw, only other cases and a benchmark are missing."""
+    report = study(("tube", {"states": ("pre", "vci", "rc", "reference", "ct", "ct_vci", "ct_rc")}))
+    table = report.index.split('id="source-map"')[1]
+    assert "CT slices: not in this run, needs a patient with a simulated CT" in table and "#ct-figure" not in table
+    for name in ("tube_ct", "tube_procedure"):
+        (tmp_path / "figures" / f"{name}.png").write_bytes(base64.b64decode(PNG))
+    table = report.make().index.split('id="source-map"')[1]
+    places = [place for row in read_source_map() for place in row["places"]]
+    here = [place["section"] for place in places if place["page"] != "benchmarks" and not place["cases"]]
+    assert re.findall(r'href="[^"#]*#([^"]+)"', table.split("</table>")[0]) == here
+    assert table.count("not in this run, needs ") == len(places) - len(here) == 4
+    assert 'href="cases/tube.html#ct-figure">CT slices</a> (tube)' in table
+    read_pages(report.index_file)  # each link has its target
+
+
+@pytest.mark.slow
 def test_both_segmentations_stand_on_the_page_and_who_is_not_included(study):
     states = ("pre", "vci", "rc", "reference", "ct", "ct_vci", "ct_rc")
     text = study(("tube", {"states": states}), ("mild", {"states": states, "change": -0.2}), arm=True).index
@@ -223,6 +241,7 @@ def test_report_without_any_reference_or_tests_says_so(study):
     text = study(("own", {"states": ("pre", "vci")})).index
     assert "No case of this run has a reference" in text
     assert "carries no evidence of verification" in text and "Diff<sup>A</sup>" not in text
+    assert "along the stent, of each patient: not in this run, needs a lumen after PCI" in text
 
 
 @pytest.mark.slow

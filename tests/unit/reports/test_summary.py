@@ -7,7 +7,7 @@ import pytest
 from common.patient.states import PREDICTED_FROM_CT
 from reports.figures.style import LABELS, SHORT_LABELS
 from reports.page.build import environment
-from reports.study.agreement import published_results
+from reports.study.agreement import published_provenance, published_results
 
 MACHINE = {"processor": "AMD EPYC", "cores": 2, "memory_gib": 23.5}
 SECONDS = {"by": "all", "name": "procedure", "n": 2, "mean_s": 2.86, "sd_s": 0.3}
@@ -148,3 +148,10 @@ def test_the_machines_stand_beside_the_seconds(software, words):
     text = " ".join(summary_page({}, software=software).split())
     assert words in text and "Seconds of the virtual procedure: 2.9 ± 0.3 here, 24.9 ± 1.0 published" in text
     assert "on a single processor" in text and "not recorded, since this package has no note of them" in text
+
+
+def test_published_seconds_have_their_deviation_and_say_where_they_were_read():
+    text = " ".join(summary_page({}).split())
+    assert "<td>2.86 ± 0.30</td><td>24.92 ± 1.00</td>" in text
+    for name, words in (("seconds.all", "of the whole procedure"), ("seconds.stage", "of stages and steps")):
+        assert f"{words} are {published_provenance(name)}." in text
