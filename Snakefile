@@ -57,8 +57,7 @@ CASE_FILE = str(STUDY.case_file("{case}"))
 BUILD = config.get("build", "build")
 VCI, LUMEN = os.path.join(BUILD, "vci"), os.path.join(BUILD, "lumen")
 FLOW_FACTORS = os.path.join(BUILD, "python", "flow_factors.so")
-if "build" in config:
-    os.environ.update(VCI_BUILD_DIR=os.path.abspath(BUILD))  # where the flow looks for FLOW_FACTORS
+os.environ.update(VCI_BUILD_DIR=os.path.abspath(BUILD))  # where the flow looks for FLOW_FACTORS
 
 
 wildcard_constraints:

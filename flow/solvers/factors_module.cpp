@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <smumps_c.h>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -20,8 +22,10 @@ using Columns = py::array_t<double, py::array::f_style>; // MUMPS reads right si
 
 // MUMPS's jobs, and its controls by their numbers in its users' guide
 enum Job { initialise = -1, end = -2, analyse = 1, factorise = 2, substitute = 3 };
-constexpr int output_streams[] = {1, 2, 3}, print_level = 4, workspace_margin = 14, null_pivots = 24;
-constexpr int margin_percent = 60; // more than MUMPS expects, since pivoting makes the factors larger
+constexpr int output_streams[] = {1, 2, 3}, print_level = 4, workspace_margin = 14;
+// MUMPS allows this much more memory than it expects. Where pivoting needs still more, the margin is doubled.
+constexpr int margin_percent = 60, largest_margin_percent = 1000;
+constexpr int no_room[] = {-8, -9}; // errors: too little memory for integers, for values
 
 /// Factors L U of a matrix. They have some 6 exact digits, and take half the memory and time of double precision.
 class Factors {
@@ -36,7 +40,6 @@ public:
       control(stream) = -1;
     control(print_level) = 0;
     control(workspace_margin) = margin_percent;
-    control(null_pivots) = 1;
   }
   ~Factors() {
     mumps_.job = end;
@@ -48,16 +51,22 @@ public:
   /// Factorises the matrix of a CSR pattern, starts (n + 1) and columns (m), with values (m). The order of elimination
   /// is chosen at the first call, so the pattern has to be the same at all calls. Throws std::runtime_error.
   void set_matrix(const Numbers& starts, const Numbers& columns, const Values& values) {
-    if (row_.empty())
-      set_pattern(starts, columns);
-    if (static_cast<std::size_t>(values.size()) != row_.size())
+    auto [row, column] = counted_from_1(starts, columns);
+    if (values.size() != columns.size() || (analysed_ && (row != row_ || column != column_)))
       throw std::runtime_error("another pattern than at the first factorization");
     values_.assign(values.data(), values.data() + values.size());
     mumps_.a = values_.data();
-    if (!analysed_)
+    if (!analysed_) {
+      row_ = std::move(row);
+      column_ = std::move(column);
+      mumps_.n = static_cast<MUMPS_INT>(starts.size() - 1);
+      mumps_.nnz = static_cast<MUMPS_INT8>(row_.size());
+      mumps_.irn = row_.data();
+      mumps_.jcn = column_.data();
       run(analyse);
+    }
     analysed_ = true;
-    run(factorise);
+    factorise_with_room();
   }
 
   /// The solutions (n, k) for the columns of right_sides (n, k). Each column is scaled, so that single precision can
@@ -66,6 +75,8 @@ public:
     const py::ssize_t size = right_sides.shape(0), count = right_sides.shape(1);
     if (size != mumps_.n)
       throw std::runtime_error("right sides of another length than the matrix");
+    if (count == 0)
+      return Columns({size, count});
     std::vector<float> work(static_cast<std::size_t>(size * count));
     std::vector<double> scales;
     for (py::ssize_t k = 0; k < count; ++k) {
@@ -92,25 +103,34 @@ public:
 private:
   MUMPS_INT& control(int number) { return mumps_.icntl[number - 1]; }
 
-  /// MUMPS wants the row of each entry, and counts rows and columns from 1.
-  void set_pattern(const Numbers& starts, const Numbers& columns) {
-    mumps_.n = static_cast<MUMPS_INT>(starts.size() - 1);
-    for (int row = 0; row < mumps_.n; ++row)
-      for (int k = starts.at(row); k < starts.at(row + 1); ++k) {
-        row_.push_back(row + 1);
-        column_.push_back(columns.at(k) + 1);
+  /// Row and column of each entry of a CSR pattern, counted from 1 as MUMPS wants them.
+  static std::pair<std::vector<MUMPS_INT>, std::vector<MUMPS_INT>> counted_from_1(const Numbers& starts,
+                                                                                  const Numbers& columns) {
+    std::vector<MUMPS_INT> row, column(columns.data(), columns.data() + columns.size());
+    row.reserve(column.size());
+    for (MUMPS_INT i = 1; i < starts.size(); ++i)
+      row.insert(row.end(), static_cast<std::size_t>(starts.at(i) - starts.at(i - 1)), i);
+    for (MUMPS_INT& one : column)
+      ++one;
+    return {std::move(row), std::move(column)};
+  }
+
+  void factorise_with_room() {
+    for (;;) {
+      try {
+        return run(factorise);
+      } catch (const std::runtime_error&) {
+        const bool had_room = std::find(std::begin(no_room), std::end(no_room), mumps_.infog[0]) == std::end(no_room);
+        if (had_room || control(workspace_margin) > largest_margin_percent)
+          throw;
+        control(workspace_margin) *= 2;
       }
-    mumps_.nnz = static_cast<MUMPS_INT8>(row_.size());
-    mumps_.irn = row_.data();
-    mumps_.jcn = column_.data();
+    }
   }
 
   void run(Job job) {
     mumps_.job = job;
-    {
-      const py::gil_scoped_release without_lock;
-      smumps_c(&mumps_);
-    }
+    smumps_c(&mumps_);
     if (mumps_.infog[0] < 0)
       throw std::runtime_error("INFOG(1) = " + std::to_string(mumps_.infog[0]) +
                                ", INFOG(2) = " + std::to_string(mumps_.infog[1]));

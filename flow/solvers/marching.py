@@ -87,6 +87,7 @@ class Stepper:
             self._solve()
         except ComputationError:
             problem.state.x.array[:], problem.inflow = self.last_values[0], self.last_inflows[0]
+            self.factorized_weight = None  # the factors may be the cause
             raise
         new = problem.state.x.array.copy()
         error = self._error(new - guess, dt) if len(self.last_values) == 3 else None

@@ -131,6 +131,7 @@ class FlowProblem:
         """
         if self.matrix is None:
             self.matrix = tangent.FreeMatrix(self.space, self.forms)
+        self.bordered = None  # its borders belong to the matrix before
         self.matrix.assemble(form, self.inertia)
         self.solver.set_matrix(self.matrix.matrix)
         profile, free = self.boundaries.profile, self.space.free_dofs
@@ -164,7 +165,7 @@ class FlowProblem:
         """
         on_border = np.zeros((len(self.bordered.rows), 1))
         on_border[0] = inlet
-        x, y = self.bordered.solve(residual[:, None], on_border)
+        x, y = self.bordered.solve_for_correction(residual[:, None], on_border)
         return -x[:, 0], -float(y[0, 0])
 
     def responses(self, loads):

@@ -11,9 +11,10 @@ mkdir -p "$folder"
 find "$folder" -name '*.gcda' -delete
 rm -f "$folder"/python* "$folder"/*.json
 status=0
-if [ $# -eq 0 ]; then
-  [ -f "$folder/build.ninja" ] || cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+[ -f "$folder/build.ninja" ] || cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
     -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" -DVCI_COVERAGE=ON
+ninja -C "$folder" -j "$jobs" flow_factors # without which no flow runs
+if [ $# -eq 0 ]; then
   ninja -C "$folder" -j "$jobs"
   ctest --test-dir "$folder" --output-on-failure -j "$jobs" --quiet || status=$?
 fi
@@ -25,7 +26,7 @@ PYTHONPATH=$PWD/tests/coverage${PYTHONPATH:+:$PYTHONPATH} \
 python3-coverage combine -q --rcfile="$COVERAGE_PROCESS_START"
 python3-coverage json -q --rcfile="$COVERAGE_PROCESS_START" -o "$folder/python.json"
 if [ -n "$(find "$folder" -name '*.gcda' -print -quit)" ]; then
-  gcovr --root . --filter 'anatomy/' --filter 'common/' --filter 'vci/' --json-summary "$folder/cpp.json" "$folder"
+  gcovr --root . --filter 'anatomy/' --filter 'common/' --filter 'flow/' --filter 'vci/' --json-summary "$folder/cpp.json" "$folder"
 fi
 [ "$status" -eq 0 ] || { echo "coverage: tests failed, README.md stays as it is" >&2; exit "$status"; }
 /usr/bin/python3 tests/coverage/figure.py "$folder" $([ $# -gt 0 ] || echo --readme README.md)

@@ -11,6 +11,13 @@ def build_folder():
     return pathlib.Path(os.environ.get("VCI_BUILD_DIR", ROOT / "build"))
 
 
+def lone_environment():
+    """Variables for a program that runs apart from this process: no more than a flow needs."""
+    variables = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "OMP_NUM_THREADS": "1"}
+    variables["HOME"] = str(pathlib.Path.home())  # without it Open MPI 5 does not start
+    return variables | {"VCI_BUILD_DIR": str(build_folder().resolve())}
+
+
 def public_data(name):
     """Path of a file or folder of the public test data, or None where it is absent.
 

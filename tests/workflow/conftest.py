@@ -68,8 +68,8 @@ class Workspace:
 def copy_repository(folder):
     """A Workspace with the repository's files. Text files stand in for the programs, which a dry run never starts."""
     shutil.copytree(ROOT, folder, ignore=NOT_COPIED)
-    (folder / "build").mkdir()
-    for program in ("vci", "lumen", "three.min.js"):
+    (folder / "build" / "python").mkdir(parents=True)
+    for program in ("vci", "lumen", "three.min.js", "python/flow_factors.so"):
         (folder / "build" / program).write_text(f"{program}\n")
     return Workspace(folder)
 

@@ -8,6 +8,7 @@ rule flow_hard_cases:
         "benchmark: hard cases of the flow"
     input:
         code=flow_benchmark_code("hard_cases"),
+        factors=FLOW_FACTORS,
         script="tests/verification/flow/hard_cases.py",
         boundary="results/cases/quick_focal/flow/boundary.json",
         deployed=multiext("results/cases/quick_focal/vci/anatomy/", *STATE_FILES),
@@ -32,6 +33,7 @@ rule flow_growth:
         "benchmark: cost and error of the flow solver by mesh, by its own name only"
     input:
         code=flow_benchmark_code("growth"),
+        factors=FLOW_FACTORS,
         script="tests/verification/flow/growth.py",
     output:
         "results/benchmarks/flow_growth/growth.csv",
@@ -54,6 +56,7 @@ rule flow_tolerance:
         "benchmark: FFR to a tolerance, its cost and error, by its own name only"
     input:
         code=flow_benchmark_code("tolerance"),
+        factors=FLOW_FACTORS,
         script="tests/verification/flow/tolerance.py",
     output:
         "results/benchmarks/flow_tolerance/tolerance.csv",
@@ -76,6 +79,7 @@ rule flow_wall_shear:
         "benchmark: wall shear stress by boundary layers, by its own name only"
     input:
         code=flow_benchmark_code("wall_shear"),
+        factors=FLOW_FACTORS,
         script="tests/verification/flow/wall_shear.py",
     output:
         "results/benchmarks/flow_wall_shear/wall_shear.csv",
@@ -97,6 +101,7 @@ rule flow_against_openfoam:
         "benchmark: the flow beside OpenFOAM's simpleFoam (package openfoam), by its own name only"
     input:
         code=flow_benchmark_code("against_openfoam"),
+        factors=FLOW_FACTORS,
         script="tests/verification/flow/against_openfoam.py",
     output:
         "results/benchmarks/flow_against_openfoam/benchmark.csv",
@@ -119,6 +124,7 @@ rule flow_tree_against_openfoam:
         "benchmark: a tree before and after PCI beside OpenFOAM's simpleFoam (package openfoam), by its own name only"
     input:
         code=flow_benchmark_code("against_openfoam_tree"),
+        factors=FLOW_FACTORS,
         script="tests/verification/flow/against_openfoam_tree.py",
         boundary="results/cases/quick_branch/flow/boundary.json",
         meshes=expand("{state}/{file}", state=SOLVED_STATES, file=["mesh_coarse.msh", "mesh.msh", "mesh.json"]),
@@ -144,6 +150,7 @@ rule flow_speed_error:
         "benchmark: FFR's error against CPU seconds over the mesh sequence, beside OpenFOAM, by its own name only"
     input:
         code=flow_benchmark_code("speed_error"),
+        factors=FLOW_FACTORS,
         script="tests/verification/flow/speed_error.py",
         tube="results/benchmarks/flow_against_openfoam/benchmark.csv",
         tree="results/benchmarks/flow_tree_against_openfoam/tree.csv",
@@ -172,6 +179,7 @@ rule flow_fda_jet:
         "benchmark: the jet of the FDA's nozzle by laboratories, axisymmetric solution and default settings, by its own name only"
     input:
         code=flow_benchmark_code("fda_jet"),
+        factors=FLOW_FACTORS,
         script="tests/verification/flow/fda_jet.py",
     output:
         "results/benchmarks/flow_fda_jet/jet.csv",

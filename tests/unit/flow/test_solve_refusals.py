@@ -274,6 +274,6 @@ def test_factorization_failure_is_a_computation_error():
     from flow.solvers import linear
 
     solver = linear.DirectSolver()
-    with pytest.raises(ComputationError):
+    with pytest.raises(ComputationError, match="factorization failed"):
         solver.set_matrix(scipy.sparse.csr_matrix([[np.nan, 1.0], [1.0, np.nan]]))
         solver.solve(np.ones((2, 1)))

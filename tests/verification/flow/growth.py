@@ -20,6 +20,7 @@ sys.path[:0] = [str(pathlib.Path(__file__).parent)]
 
 import hard_cases  # noqa: E402  (makes the packages of the repository known)
 from flow import settings  # noqa: E402
+from places import lone_environment  # noqa: E402
 
 CASE, DEFAULT = "single_62", settings.make()
 SPACING = {"throat": DEFAULT.stations_throat, "plain": DEFAULT.stations_plain}  # for the default's number of rings
@@ -32,11 +33,9 @@ def command(folder, *arguments, program=("-m", "flow")):
 
     program: Python's arguments that name the program, to run another one than `flow`.
     """
-    environment = {"PYTHONPATH": str(hard_cases.ROOT), "PATH": "/usr/bin:/bin", "OMP_NUM_THREADS": "1"}
-    environment["HOME"] = str(pathlib.Path.home())  # without it Open MPI 5 does not start
     with open(folder / f"{arguments[0]}.log", "w") as log:
         line = [sys.executable, *program, *map(str, arguments)]
-        subprocess.run(line, cwd=folder, stdout=log, stderr=log, env=environment, check=True)
+        subprocess.run(line, cwd=folder, stdout=log, stderr=log, env=lone_environment(), check=True)
 
 
 def mesh(folder, rings, coarse):

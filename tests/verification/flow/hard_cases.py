@@ -21,12 +21,18 @@ import sys
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "unit" / "flow"), str(pathlib.Path(__file__).parent)]
+sys.path[:0] = [
+    str(ROOT),
+    str(ROOT / "tests" / "unit" / "flow"),
+    str(ROOT / "tests" / "support"),
+    str(pathlib.Path(__file__).parent),
+]
 
 import axisymmetric  # noqa: E402
 import tubes  # noqa: E402
 
 from common.errors import error_summary  # noqa: E402
+from places import lone_environment  # noqa: E402
 
 PA_PER_MMHG = 133.322
 MAP, VENOUS, FLOW = 93 * PA_PER_MMHG, 5 * PA_PER_MMHG, 200e-6 / 60  # Pa, Pa, m3/s at hyperaemia
@@ -212,11 +218,8 @@ def run(name, folder):
         if command[0] == "solve":
             command += ["--boundary", "boundary.json"]
         with open(folder / f"{command[0]}.log", "w") as log:
-            environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "OMP_NUM_THREADS": "1"}
-            environment["HOME"] = str(pathlib.Path.home())  # without it Open MPI 5 does not start
-            done = subprocess.run(
-                [sys.executable, "-m", "flow", *command], cwd=folder, stderr=log, stdout=log, env=environment
-            )
+            line_run = [sys.executable, "-m", "flow", *command]
+            done = subprocess.run(line_run, cwd=folder, stderr=log, stdout=log, env=lone_environment())
         if done.returncode != 0:
             reason = error_summary((folder / f"{command[0]}.log").read_text())
             return {"case": name, "outcome": f"{command[0]} refused, exit {done.returncode}: {reason}"}
