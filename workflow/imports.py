@@ -53,7 +53,7 @@ def script_code(script, *folders):
 def flow_benchmark_code(script):
     """Files behind a script of tests/verification/flow that meshes and solves by command."""
     commands = [command_code("flow", f"{command}_command") for command in ("mesh", "solve")]
-    own = script_code(f"tests/verification/flow/{script}.py", "tests/unit/flow")
+    own = script_code(f"tests/verification/flow/{script}.py", "tests/unit/flow", "tests/support")
     return sorted({*own, *(file for files in commands for file in files)})
 
 
