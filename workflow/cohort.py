@@ -58,9 +58,8 @@ def draw_shards(count, seed, out, folder=pathlib.Path("config"), full=False, cor
         shutil.copytree(folder / "devices", shard_folder / "devices", dirs_exist_ok=True)
         shards.append((shard_folder, names))
     with concurrent.futures.ProcessPoolExecutor(cores) as pool:
-        drawn = [pool.submit(draw.write_patient, seed, number, file) for number, file in missing]
-        for one in concurrent.futures.as_completed(drawn):
-            one.result()  # raises the error of a patient that cannot be drawn
+        numbers, files = zip(*missing) if missing else ((), ())
+        list(pool.map(draw.write_patient, [seed] * len(missing), numbers, files))  # an error cancels the draws left
     return shards
 
 

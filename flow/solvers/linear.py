@@ -5,9 +5,9 @@
 
 A is sparse; its unknowns x are the velocity and pressure dofs that no boundary fixes. The border has a row and a column
 for the inflow and for each outlet, with the unknowns y. `DirectSolver` factorizes A by MUMPS in single precision, which
-takes half the time and memory of double precision. Iterative refinement (Higham, Accuracy and Stability of Numerical
-Algorithms, 2002, chapter 12) makes up for the lost digits: the residual of the whole system, computed in double
-precision, is solved for again. Each repetition lowers it by a factor of 1e4 or so.
+takes half the time of double precision, and half the memory for the factors. Iterative refinement (Higham, Accuracy
+and Stability of Numerical Algorithms, 2002, chapter 12) makes up for the lost digits: the residual of the whole system,
+computed in double precision, is solved for again. Each repetition lowers it by a factor of 1e4 or so.
 """
 
 import functools
