@@ -86,7 +86,7 @@ def test_what_this_run_lacks_is_said_with_what_it_needs():
 def test_a_figure_that_is_not_there_has_its_reason():
     text = section(every_id())
     assert text.count("Not shown: the article's full text could not be opened here") == 2
-    assert "it needs 3 to 60 times the time of the default" in text and "5 to 90 minutes of one core" in text
+    assert "it needs 3 to 60 times the time of the default" in text and "nearly as much as the whole study" in text
 
 
 @pytest.mark.parametrize(
