@@ -1,8 +1,9 @@
-"""The same last digits on every processor.
+"""The same last digits on every processor, whatever its number of cores.
 
 numpy and OpenBLAS choose their functions by the processor, and different functions round differently. The last digits
 of a vessel's coordinates would depend on the machine, and so would all results that follow from them.
-common/processor.hpp does the same for C++.
+common/processor.hpp does the same for C++. Several threads add numbers in another order than one, so there is one
+thread unless the user sets OMP_NUM_THREADS.
 """
 
 import os
@@ -55,5 +56,11 @@ def cpu_flags():
     return next((line.split(":")[1].split() for line in lines if line.startswith("flags")), [])
 
 
-if "numpy" not in sys.modules:  # numpy, once loaded, has chosen its functions already
+def limit_to_one_thread(environment):
+    """Sets the number of threads of numerical libraries in `environment` (a dict) to 1, unless the user has set it."""
+    environment.setdefault("OMP_NUM_THREADS", "1")
+
+
+if "numpy" not in sys.modules:  # numpy, once loaded, has chosen its functions and threads already
+    limit_to_one_thread(os.environ)
     limit_to_avx2(os.environ, cpu_flags())

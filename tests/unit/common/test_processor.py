@@ -1,4 +1,4 @@
-"""numpy and OpenBLAS take the same functions on every processor that has them."""
+"""numpy and OpenBLAS take the same functions on every processor that has them, and one thread."""
 
 import ast
 import os
@@ -36,20 +36,22 @@ def test_compiled_forms_need_no_more_than_avx2(flags, name):
 
 
 def test_the_users_choice_stays():
-    environment = {"OPENBLAS_CORETYPE": "Prescott", "NPY_DISABLE_CPU_FEATURES": ""}
+    environment = {"OPENBLAS_CORETYPE": "Prescott", "NPY_DISABLE_CPU_FEATURES": "", "OMP_NUM_THREADS": "3"}
     processor.limit_to_avx2(environment, [*AVX2, "avx512f"])
-    assert [environment[name] for name in NAMES] == ["Prescott", ""]
+    processor.limit_to_one_thread(environment)
+    assert list(environment.values()) == ["Prescott", "", "3"]
 
 
 @pytest.mark.parametrize("part", ["anatomy", "data_synthetic", "flow", "whatif", "reports", "workflow"])
 def test_every_part_chooses_before_numpy_is_loaded(repo_root, part):
     """Importing the part alone sets what this processor needs, and loads no numpy before."""
-    expected = {}
+    expected = {"OMP_NUM_THREADS": "1"}
     processor.limit_to_avx2(expected, processor.cpu_flags())
-    environment = {key: value for key, value in os.environ.items() if key not in NAMES}
-    look = f"import {part}, os, sys; print([os.environ.get(n) for n in {NAMES}], 'numpy' in sys.modules)"
+    names = (*NAMES, "OMP_NUM_THREADS")
+    environment = {key: value for key, value in os.environ.items() if key not in names}
+    look = f"import {part}, os, sys; print([os.environ.get(n) for n in {names}], 'numpy' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", look], **chosen_kernels(repo_root, environment))
-    assert done.stdout.strip() == f"{[expected.get(name) for name in NAMES]} False"
+    assert done.stdout.strip() == f"{[expected.get(name) for name in names]} False"
 
 
 def chosen_kernels(folder, environment):
