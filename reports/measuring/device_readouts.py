@@ -4,6 +4,9 @@ from common.errors import InputError
 from reports.inputs.reading import entry, number, read_json
 from reports.measuring.stent_edges import stent_edges
 
+# The engine warns by the same limits: OutcomeLimits in vci/results/readouts.hpp, which names their sources.
+LEAST_EXPANSION = 0.6
+LARGEST_MALAPPOSITION_MM = 0.4
 DEPLOYMENT_KEYS = (
     "status",
     "seconds",

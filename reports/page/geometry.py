@@ -17,8 +17,8 @@ from reports.figures.lumen import COLOUR_MAP, nearest_ffr, view_axes
 from reports.inputs.case_files import states_in_3d
 from reports.inputs.reading import read_array, read_polydata, read_table
 from reports.inputs.surface import Surface, read_device, read_lumen
+from reports.measuring.device_readouts import LARGEST_MALAPPOSITION_MM
 from reports.measuring.stent_edges import RUPTURE_STRETCH
-from reports.page.verdict.warnings import LARGEST_MALAPPOSITION_MM
 
 MOST_TRIANGLES = 12000
 QUANTISATION_STEPS = 65535  # steps over the range of a coordinate or value: a step is 1 um for a vessel of 65 mm

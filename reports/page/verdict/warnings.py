@@ -2,13 +2,11 @@
 
 from common.patient.states import TRUE_STATES
 from reports.figures.style import SHORT_LABELS
+from reports.measuring.device_readouts import LARGEST_MALAPPOSITION_MM, LEAST_EXPANSION
 from reports.measuring.stent_edges import RUPTURE_STRETCH
 from reports.page.verdict.words import ffr_computed, significant
 from reports.selection.patients import LOW_FFR_AFTER
 
-# The engine warns by the same limits: OutcomeLimits in vci/results/readouts.hpp, which names their sources.
-LEAST_EXPANSION = 0.6
-LARGEST_MALAPPOSITION_MM = 0.4
 MOST_NAMED = 5  # cases that a warning names; the others are counted
 
 

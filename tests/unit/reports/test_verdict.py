@@ -4,8 +4,9 @@ import re
 
 import pytest
 
+from reports.measuring.device_readouts import LARGEST_MALAPPOSITION_MM, LEAST_EXPANSION
 from reports.page.verdict.lines import verdict
-from reports.page.verdict.warnings import LARGEST_MALAPPOSITION_MM, LEAST_EXPANSION, MOST_NAMED
+from reports.page.verdict.warnings import MOST_NAMED
 from reports.study.agreement import agreement_table
 from reports.study.nearer import nearer_table
 from reports.whatif.tables import records
