@@ -54,6 +54,46 @@ def test_straightening_is_the_share_of_the_curvature_before(results):
     assert lines[4] == "| all |  |  |  |  | 20 ± 43 |  | -32 ± 0 |"
 
 
+def _write_sensitivity(results, case, name, text):
+    folder = results / "cases" / case / "sensitivity"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{name}.csv").write_text(text)
+
+
+def test_intervals_and_inputs_of_the_flow_over_the_patients(results):
+    head = "state,quantity,planned,lower,upper,samples,left_out,inputs\n"
+    flow = "state,quantity,input,words,unit,low,planned,high,at_low,at_planned,at_high\n"
+    for case, up in (("a", 0.01), ("b", 0.03)):
+        _write_sensitivity(
+            results,
+            case,
+            "flow_intervals",
+            f"{head}pre,ffr,0.7,0.6,0.75,128,0,7\nvci,ffr,0.9,0.88,{0.9 + up},128,0,7\n",
+        )
+        rows = [f"{state},ffr,mass,mass,%,-20,0,20,{0.7 + up},0.7,0.68" for state in ("pre", "vci")]
+        rows += [f"{state},ffr,blood,blood,%,-20,0,20,0.64,0.7,0.71" for state in ("pre", "vci")]
+        _write_sensitivity(results, case, "flow", flow + "\n".join(rows) + "\n")
+    lines = study_tables.intervals(results).splitlines()
+    assert lines[2] == "| a | 0.700 | 0.600 to 0.750 | 0.150 | 0.900 | 0.880 to 0.910 | 0.030 |" and len(lines) == 4
+    lines = study_tables.flow_inputs(results).splitlines()  # the input that moves FFR most comes first
+    assert lines[2].startswith("| blood | -0.0600 | +0.0100 | 0.0600 |")
+    assert lines[3].startswith("| mass | +0.0200 | -0.0200 | 0.0300 |") and len(lines) == 4
+
+
+def test_inputs_of_the_deployment_of_the_patients_asked_for(results):
+    assert study_tables.deployment_inputs(results) is None
+    head = "state,quantity,input,words,unit,low,planned,high,at_low,at_planned,at_high\n"
+    rows = ["vci,ffr,balloon_pressure,pressure,%,-20,0,20,0.91,0.92,0.925"]
+    rows += ["vci,minimal_stent_area_mm2,balloon_pressure,pressure,%,-20,0,20,,6.5,7"]
+    _write_sensitivity(results, "b", "deployment", head + "\n".join(rows) + "\n")
+    head = "state,quantity,planned,lower,upper,samples,left_out,inputs\n"
+    rows = ["vci,ffr,0.92,0.9,0.93,16,0,11", "vci,minimal_stent_area_mm2,6.5,5,7.25,16,0,11"]
+    _write_sensitivity(results, "b", "deployment_intervals", head + "\n".join(rows) + "\n")
+    one, together = study_tables.deployment_inputs(results).splitlines()[2:]
+    assert one == "| b | pressure | -20 to 20 % | 0.9100 / 0.9200 / 0.9250 | none / 6.50 / 7.00 |"
+    assert together.endswith("| 0.9000 to 0.9300 | 5.00 to 7.25 |")
+
+
 @pytest.mark.parametrize(
     "value, said", [("0.00079", "+0.00079"), ("-0.0126", "-0.013"), ("0.31", "+0.310"), ("0", "0.000")]
 )

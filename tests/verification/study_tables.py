@@ -193,6 +193,84 @@ def plans(results):
     return markdown([*headings, "FFR, 3D", "its estimate"], table)
 
 
+def read_sensitivity(results, name):
+    """A table of results/cases/*/sensitivity with the column `case` first; None where no case has it."""
+    found = sorted(results.glob(f"cases/*/sensitivity/{name}.csv"))
+    if not found:
+        return None
+    return pd.concat([pd.read_csv(path).assign(case=path.parts[-3]) for path in found], ignore_index=True)
+
+
+def format_interval(row, digits):
+    """`lower to upper` of an interval's row."""
+    return f"{row.lower:.{digits}f} to {row.upper:.{digits}f}"
+
+
+def intervals(results):
+    """Markdown with a row a patient: FFR before and after, and the 95 % intervals over all inputs of the flow."""
+    data = read_sensitivity(results, "flow_intervals")
+    if data is None:
+        return None
+    table = []
+    for case, rows in data[data["quantity"] == "ffr"].groupby("case"):
+        line = [case]
+        for state in ("pre", "vci"):
+            row = rows[rows["state"] == state].iloc[0]
+            line += [f"{row.planned:.3f}", format_interval(row, 3), f"{row.upper - row.lower:.3f}"]
+        table.append(line)
+    headings = ["patient"]
+    headings += [f"{what} {when}" for when in ("before", "after") for what in ("FFR", "95 % interval", "width")]
+    return markdown(headings, table)
+
+
+def flow_inputs(results):
+    """Markdown with a row for each input of the flow: the change of FFR over its range, mean and largest."""
+    data = read_sensitivity(results, "flow")
+    if data is None:
+        return None
+    data["low_change"], data["high_change"] = (data[end] - data["at_planned"] for end in ("at_low", "at_high"))
+    data["size"] = data[["low_change", "high_change"]].abs().max(axis=1)
+    table = []
+    for name in data["input"].unique():
+        rows = data[data["input"] == name]
+        line = [rows["words"].iloc[0]]
+        for state in ("pre", "vci"):
+            one = rows[rows["state"] == state]
+            line += [f"{one[f'{end}_change'].mean():+.4f}" for end in ("low", "high")] + [f"{one['size'].max():.4f}"]
+        table.append((data.loc[rows.index, "size"].mean(), line))
+    table.sort(key=lambda entry: -entry[0])
+    headings = ["input"] + [
+        f"{what}, {when}" for when in ("before", "after") for what in ("at the low end", "at the high end", "largest")
+    ]
+    return markdown(headings, [line for _, line in table])
+
+
+def deployment_inputs(results):
+    """Markdown with a row for each patient and input of the deployment: FFR after PCI and smallest stent area.
+
+    Only patients whose `sensitivity/deployment.csv` was asked for.
+    """
+    data, limits = (read_sensitivity(results, name) for name in ("deployment", "deployment_intervals"))
+    if data is None or limits is None:
+        return None
+    table = []
+    for (case, name), rows in data.groupby(["case", "input"], sort=False):
+        line = [case, rows["words"].iloc[0], f"{rows['low'].iloc[0]:g} to {rows['high'].iloc[0]:g}"]
+        line[-1] += f" {rows['unit'].iloc[0]}"
+        for quantity, digits in (("ffr", 4), ("minimal_stent_area_mm2", 2)):
+            row = rows[rows["quantity"] == quantity].iloc[0]
+            values = [row[end] for end in ("at_low", "at_planned", "at_high")]
+            line.append(" / ".join("none" if np.isnan(value) else f"{value:.{digits}f}" for value in values))
+        table.append(line)
+    for case, rows in limits.groupby("case", sort=False):
+        by_quantity = {row.quantity: row for row in rows.itertuples()}
+        line = [case, "all of them and the inputs of the flow", "95 % interval"]
+        line += [format_interval(by_quantity["ffr"], 4), format_interval(by_quantity["minimal_stent_area_mm2"], 2)]
+        table.append(line)
+    table.sort(key=lambda line: line[0])
+    return markdown(["patient", "input", "range", "FFR after PCI", "smallest stent area, mm2"], table)
+
+
 def cost(results):
     """Markdown: seconds by kind of step over all patients. Each step uses one core.
 
@@ -220,6 +298,7 @@ def cost(results):
 
 TABLE_FUNCTIONS = {"patients": patients, "spread": spread, "agreement": agreement, "nearer": nearer, "seconds": seconds}
 TABLE_FUNCTIONS |= {"half_maximum": half_maximum, "cost": cost, "plans": plans, "straightening": straightening}
+TABLE_FUNCTIONS |= {"intervals": intervals, "flow_inputs": flow_inputs, "deployment_inputs": deployment_inputs}
 PAGE = Page("docs/nine-patients.md", {}, {}, TABLE_FUNCTIONS)
 
 if __name__ == "__main__":

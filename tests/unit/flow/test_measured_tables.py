@@ -46,7 +46,7 @@ def test_a_file_without_a_column_is_refused(tmp_path):
 
 def _write_state(folder, case, state, **changes):
     answer = {"dofs": 9, "ffr": 0.71234, "error_estimate": {"ffr": 0.0014}, "artificial_viscosity": 0}
-    answer |= {"meshes": [], "cpu_seconds": 119.4, "peak_memory_mib": 1519.2, **changes}
+    answer |= {"mesh": "mesh.msh", "meshes": [], "cpu_seconds": 119.4, "peak_memory_mib": 1519.2, **changes}
     path = folder / "cases" / case / "flow" / state / "ffr.json"
     path.parent.mkdir(parents=True)
     path.write_text(json.dumps(answer))
@@ -81,4 +81,4 @@ def test_an_estimate_is_judged_by_the_next_finer_mesh(tmp_path):
 
 def test_the_page_names_tables_that_there_are():
     names = measured_tables.PAGE.names((ROOT / "flow" / "measured.md").read_text())
-    assert names == {*measured_tables.TABLES, measured_tables.STUDY, measured_tables.COVERAGE}
+    assert names == {*measured_tables.TABLES, *measured_tables.FUNCTIONS}

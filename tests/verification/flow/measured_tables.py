@@ -2,8 +2,8 @@
 
     /usr/bin/python3 tests/verification/flow/measured_tables.py results
 
-A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`. NAME is the folder of a benchmark, `study`
-or `coverage`. A table stays as it is if its results do not exist.
+A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`. NAME is the folder of a benchmark, `study`,
+`coverage`, `reach` or `meshes`. A table stays as it is if its results do not exist.
 """
 
 import csv
@@ -11,8 +11,9 @@ import json
 import pathlib
 import sys
 
-sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1])]
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1]), str(pathlib.Path(__file__).parent)]
 
+import reach_tables  # noqa: E402
 from page_tables import Page, markdown  # noqa: E402
 
 from common.errors import InputError  # noqa: E402
@@ -92,10 +93,9 @@ TABLES = {
     ),
 }
 STUDY, COVERAGE = "study", "coverage"
-STATE_BEFORE = "pre"  # the state before the intervention
 STUDY_COLUMNS = ("case", "FFR before", "estimate", "eps", "CPU s", "estimate after", "CPU s after", "MiB")
 COVERAGE_COLUMNS = ("estimates of", "against", "number", "not below the error", "least over the error")
-USED_KEYS = ("ffr", "error_estimate", "artificial_viscosity", "cpu_seconds", "peak_memory_mib", "meshes")
+USED_KEYS = ("ffr", "error_estimate", "artificial_viscosity", "cpu_seconds", "peak_memory_mib", "mesh", "meshes")
 DIGITS = {"volume_mm3": ".1f", "error": "+.4f", "mesh_cpu_s": ".1f", "solve_cpu_s": ".1f", "settled_cpu_s": ".1f"}
 
 
@@ -121,7 +121,7 @@ def study(results):
         cases.setdefault(case, {})[state] = answer
     rows = []
     for case, states in cases.items():
-        before, after = states.pop(STATE_BEFORE, None), list(states.values())
+        before, after = states.pop(reach_tables.STATE_BEFORE, None), list(states.values())
         row = [case, *[""] * 4]
         if before:
             row[1:] = f"{before['ffr']:.4f}", error_of(before), f"{before['artificial_viscosity']:.2g}"
@@ -152,7 +152,7 @@ def coverage(results):
     for _, state, answer in answers(results):
         meshes = [mesh for mesh in answer["meshes"] if mesh.get("error_estimate") is not None]
         for coarse, fine in zip(meshes, meshes[1:]):
-            pairs["before" if state == STATE_BEFORE else "after"].append(
+            pairs["before" if state == reach_tables.STATE_BEFORE else "after"].append(
                 (coarse["error_estimate"], fine["ffr"] - coarse["ffr"])
             )
     for when, found in pairs.items():
@@ -167,7 +167,18 @@ def coverage_row(what, against, pairs):
     return [[what, against, f"{len(ratios)}", f"{enough}", f"{min(ratios):.1f}"]] if ratios else []
 
 
-PAGE = Page("flow", TABLES, DIGITS, {STUDY: study, COVERAGE: coverage})
+def reach(results):
+    """Markdown: the aims for the solver beside what was found; None without a study."""
+    return reach_tables.reach(results, answers(results))
+
+
+def meshes(results):
+    """Markdown: what each mesh of the sequence costs over all states; None without a study."""
+    return reach_tables.meshes(answers(results))
+
+
+FUNCTIONS = {STUDY: study, COVERAGE: coverage, "reach": reach, "meshes": meshes}
+PAGE = Page("flow", TABLES, DIGITS, FUNCTIONS)
 
 if __name__ == "__main__":
     PAGE.main()
