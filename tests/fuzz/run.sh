@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fuzzes each reader in C++ with libFuzzer, and the readers in Python with mutants: run.sh SECONDS JOBS.
+# Fuzzes each reader for SECONDS, JOBS readers at a time: run.sh SECONDS JOBS. Each format of a surface or mask is a reader.
 # What it finds stays in build-fuzz/found. A run of ten minutes for each reader writes docs/fuzzing.md.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
@@ -19,24 +19,8 @@ for corpus in fuzz_corpus surface_corpus; do
 done
 mkdir -p build-fuzz/found
 rm -f build-fuzz/*.log
-export LSAN_OPTIONS=suppressions=$PWD/tests/fuzz/leaks.txt:print_suppressions=0
+readers=(scene lumen centreline surface.{stl,vtp,ply,obj,nii,nrrd,mha} python.{contours,case,study,device})
 failed=0
-for target in "${targets[@]}"; do
-  reader=${target#*_fuzz_}
-  mkdir -p "build-fuzz/corpus/$reader" # goes on from what earlier runs reached
-  words=()
-  [ ! -f "build-fuzz/seeds/$reader.dict" ] || words=(-dict="build-fuzz/seeds/$reader.dict")
-  echo "fuzzing the reader of a $reader for $seconds s; log: build-fuzz/$reader.log"
-  if ! "build-fuzz/$target" -max_total_time="$seconds" -timeout=25 -report_slow_units=5 -print_final_stats=1 \
-    "${words[@]}" -artifact_prefix="build-fuzz/found/$reader-" \
-    "build-fuzz/corpus/$reader" "build-fuzz/seeds/$reader" 2>"build-fuzz/$reader.log"; then
-    echo "$reader: a fault, kept in build-fuzz/found: $(grep -m1 -E 'ERROR|SUMMARY' "build-fuzz/$reader.log" || true)" >&2
-    failed=1
-  fi
-  grep -E '(number_of_executed_units|slowest_unit_time_sec|peak_rss_mb)' "build-fuzz/$reader.log" || true
-  grep -oE 'cov: [0-9]+ ft: [0-9]+' "build-fuzz/$reader.log" | tail -1 || true # edges, features
-done
-PYTHONPATH=. /usr/bin/python3 tests/fuzz/python_readers.py --seconds "$seconds" --out build-fuzz/found |
-  tee build-fuzz/python.log || failed=1
+printf '%s\n' "${readers[@]}" | xargs -P "$jobs" -I{} tests/fuzz/run_reader.sh {} "$seconds" || failed=1
 [ "$seconds" -lt 600 ] || /usr/bin/python3 tests/fuzz/page.py --logs build-fuzz --seconds "$seconds" --out docs/fuzzing.md
 exit $failed

@@ -1,4 +1,4 @@
-"""Seeds and seeded mutants of the surfaces and masks that the anatomy reads; as a program it writes them to a folder.
+"""Seeds and seeded mutants of the surfaces and masks that the anatomy reads; as a program it writes the seeds.
 
 The first byte of each file is the number of its suffix, as the target fuzz_surface takes it.
 """
@@ -90,12 +90,13 @@ def mutants(of, count, seed):
 
 
 def main():
-    """Writes DIR/surface/NAME."""
+    """Writes DIR/surface.SUFFIX/NAME, a folder for each format."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder")
-    folder = parser.parse_args().out / "surface"
-    folder.mkdir(parents=True, exist_ok=True)
+    out = parser.parse_args().out
     for name, content in seeds().items():
+        folder = out / f"surface{pathlib.Path(name).suffix}"
+        folder.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(content)
 
 
