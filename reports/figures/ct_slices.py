@@ -19,6 +19,7 @@ SEGMENTED_STATES = ("ct_pre", "ct")
 TRUE_COLOUR, SEGMENTED_COLOUR, PLAQUE_COLOUR = "#5fe3c0", "#ff8ad8", "#e6c229"  # all visible on the black of a CT
 
 
+@plt.rc_context({"figure.constrained_layout.use": False})  # it leaves wide gaps here; saving would apply it, too
 def ct_figure(files, metrics, folder):
     """Writes <case>_ct.{svg,png} and returns their paths.
 
@@ -27,9 +28,8 @@ def ct_figure(files, metrics, folder):
     """
     before = metrics["states"]["pre"]["area"]["profile_mm2"]
     stations = dict(zip(SLICE_NAMES, (0, int(np.argmin(before)), len(before) - 1)))
-    with plt.rc_context({"figure.constrained_layout.use": False}):  # constrained layout leaves wide gaps here
-        figure, grid = plt.subplots(len(STATES_BY_IMAGE), len(SLICE_NAMES), figsize=(7.5, 5.6), squeeze=False)
-    figure.subplots_adjust(left=0.04, right=0.99, bottom=0.09, top=0.95, wspace=0.03, hspace=0.03)
+    figure, grid = plt.subplots(len(STATES_BY_IMAGE), len(SLICE_NAMES), figsize=(7.5, 5.35), squeeze=False)
+    figure.subplots_adjust(left=0.04, right=0.99, bottom=0.08, top=0.95, wspace=0.03, hspace=0.03)
     for row, (image, states) in zip(grid, STATES_BY_IMAGE.items()):
         line = read_centreline(files.anatomy(image) / "centreline.vtp", metrics["segment"]["branch"])
         values, origin, spacing = read_volume(files.folder / "ct" / image / "ct.nii.gz")
@@ -81,6 +81,7 @@ def draw_slice(axes, values, origin, spacing, centre, plane_axes):
     axes.imshow(grey, cmap="gray", vmin=WINDOW_HU[0], vmax=WINDOW_HU[1], origin="lower", extent=extent)
     axes.grid(False)
     axes.set(xticks=[], yticks=[])
+    axes.autoscale(False)  # an outline that leaves the square is cut off there, so that all panels have one scale
 
 
 def draw_outline(axes, lumen, centre, plane_axes, state):
@@ -101,20 +102,30 @@ def draw_outline(axes, lumen, centre, plane_axes, state):
     nearest.SetExtractionModeToClosestPointRegion()
     nearest.SetClosestPoint(*centre)
     nearest.Update()
-    cut = vtk.vtkCleanPolyData()
-    cut.SetInputConnection(nearest.GetOutputPort())
-    cut.Update()
-    points = vtk_to_numpy(cut.GetOutput().GetPoints().GetData())
-    in_plane = (points - centre) @ plane_axes.T
-    order = np.argsort(np.arctan2(*(in_plane - in_plane.mean(0)).T[::-1]))
-    ring = in_plane[np.append(order, order[0])]
+    merged = vtk.vtkCleanPolyData()
+    merged.SetInputConnection(nearest.GetOutputPort())
+    joined = vtk.vtkStripper()  # joins the segments of the cut to one line, also where it turns back at a side branch
+    joined.SetInputConnection(merged.GetOutputPort())
+    joined.SetMaximumLength(surface.GetNumberOfPoints())  # of points in a line
+    joined.JoinContiguousSegmentsOn()
+    joined.Update()
+    outline = max(_lines(joined.GetOutput()), key=len)
+    points = vtk_to_numpy(joined.GetOutput().GetPoints().GetData())
+    ring = ((points - centre) @ plane_axes.T)[outline]
     if state in SEGMENTED_STATES:
         axes.plot(*ring.T, color=SEGMENTED_COLOUR, linestyle=":", label="Lumen found in the CT")
     else:
         axes.plot(*ring.T, color=TRUE_COLOUR, linewidth=1.2, label="True lumen")
-    thickness = cut.GetOutput().GetPointData().GetArray("plaque_thickness_mm")
+    thickness = joined.GetOutput().GetPointData().GetArray("plaque_thickness_mm")
     if thickness is not None and state == "pre":
-        plaque_thickness = np.nan_to_num(vtk_to_numpy(thickness))[np.append(order, order[0])]
-        outwards = ring - in_plane.mean(0)
+        plaque_thickness = np.nan_to_num(vtk_to_numpy(thickness))[outline]
+        outwards = ring - ring[:-1].mean(0)
         edge = ring + outwards / np.linalg.norm(outwards, axis=1, keepdims=True) * plaque_thickness[:, None]
         axes.plot(*edge.T, color=PLAQUE_COLOUR, linewidth=1.2, label="Outer edge of the plaque")
+
+
+def _lines(polydata):
+    """[(n,) indices of the points] of each line of a vtkPolyData."""
+    cells = polydata.GetLines()
+    offsets, points = (vtk_to_numpy(array) for array in (cells.GetOffsetsArray(), cells.GetConnectivityArray()))
+    return [points[a:b] for a, b in zip(offsets, offsets[1:])]

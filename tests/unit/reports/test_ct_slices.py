@@ -3,6 +3,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+import vtk
 
 from common.volume import Image, write
 from reports.figures.ct_slices import draw_outline, cross_section_plane, read_volume, draw_slice
@@ -49,3 +50,44 @@ def test_outlines_of_lumen_and_plaque(tmp_path, state, lines):
     for drawn, radius in zip(axes.lines, (1.6, 2.3)):
         assert np.hypot(*drawn.get_data()) == pytest.approx(radius, abs=0.02)
     plt.close()
+
+
+def test_panels_keep_their_scale_where_an_outline_leaves_them(tmp_path, volume):
+    """A tube of radius 6 mm is wider than the square of 10 mm that is drawn."""
+    tube = Tube(0.0, curvature=0.01, radius=6.0)
+    write_vtp(tmp_path / "lumen.vtp", tube_surface(tube, around=60))
+    line = Polyline(tube.frame(tube.s())[0], tube.s(), "test")
+    _, axes = plt.subplots()
+    plane = cross_section_plane(line, 20.0)
+    draw_slice(axes, *read_volume(volume), *plane)
+    draw_outline(axes, tmp_path / "lumen.vtp", *plane, "reference")
+    assert np.abs(axes.lines[0].get_data()).max() > 5.5
+    assert axes.get_xlim() == axes.get_ylim() == (-5.0, 5.0)
+    plt.close()
+
+
+def test_an_outline_that_turns_back_is_drawn_in_its_order(tmp_path):
+    """The outline of an L-shaped prism, seen from its middle, is not in the order of the angle."""
+    corners = np.array([[0, 0], [6, 0], [6, 1], [1, 1], [1, 6], [0, 6]], float)
+    shape = vtk.vtkLinearExtrusionFilter()
+    shape.SetInputData(_polygon(corners))
+    shape.SetVector(0, 0, 4)
+    shape.Update()
+    write_vtp(tmp_path / "lumen.vtp", shape.GetOutput())
+    _, axes = plt.subplots()
+    draw_outline(axes, tmp_path / "lumen.vtp", np.array([0.5, 0.5, 2.0]), np.eye(3)[:2], "reference")
+    drawn = np.stack(axes.lines[0].get_data(), 1)
+    assert np.linalg.norm(np.diff(drawn, axis=0), axis=1).sum() == pytest.approx(24.0)  # the perimeter, closed
+    plt.close()
+
+
+def _polygon(corners):
+    """A vtkPolyData of the closed line through corners (n, 2) at z = 0."""
+    points, lines = vtk.vtkPoints(), vtk.vtkCellArray()
+    for corner in corners:
+        points.InsertNextPoint(*corner, 0.0)
+    lines.InsertNextCell(len(corners) + 1, [*range(len(corners)), 0])
+    data = vtk.vtkPolyData()
+    data.SetPoints(points)
+    data.SetLines(lines)
+    return data
