@@ -46,7 +46,14 @@ def test_a_file_without_a_column_is_refused(tmp_path):
 
 def _write_state(folder, case, state, **changes):
     answer = {"dofs": 9, "ffr": 0.71234, "error_estimate": {"ffr": 0.0014}, "artificial_viscosity": 0}
-    answer |= {"mesh": "mesh.msh", "meshes": [], "cpu_seconds": 119.4, "peak_memory_mib": 1519.2, **changes}
+    answer |= {
+        "mesh": "mesh.msh",
+        "meshes": [],
+        "models": {},
+        "cpu_seconds": 119.4,
+        "peak_memory_mib": 1519.2,
+        **changes,
+    }
     path = folder / "cases" / case / "flow" / state / "ffr.json"
     path.parent.mkdir(parents=True)
     path.write_text(json.dumps(answer))

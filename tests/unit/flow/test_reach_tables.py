@@ -38,9 +38,12 @@ def test_a_limit_is_reached_by_what_just_meets_it_and_missed_by_what_exceeds_it(
         line[0] + str(place): line[1:] for place, line in enumerate(_rows(reach_tables.reach(ROOT / "none", ANSWERS)))
     }
     assert rows["a state before PCI in at most 120 CPU s0"] == ["yes", "at most 120 CPU s (lad01)"]
-    assert rows["its estimate within 0.0051"] == ["in 1 of 2", "at most 0.0051 (lad01)"]
+    assert rows["a state before PCI with an estimate within 0.0051"] == ["in 1 of 2", "at most 0.0051 (lad01)"]
     assert rows["a state after PCI in at most 40 CPU s2"] == ["in 1 of 2", "at most 40.1 CPU s (lad01 vci)"]
-    assert rows["its estimate within 0.0053"] == ["in 1 of 2", "at most 0.004 (lad02 vci), not known in lad01 vci"]
+    assert rows["a state after PCI with an estimate within 0.0053"] == [
+        "in 1 of 2",
+        "at most 0.004 (lad02 vci), not known in lad01 vci",
+    ]
     assert rows["`flow solve` of all states in at most 35 CPU min4"] == ["yes", "5.32 CPU min, 4 states"]
     assert rows["at most 3 GB5"] == ["in 3 of 4", "at most 3 GB (lad02 vci)"]
 
@@ -86,6 +89,19 @@ def test_each_mesh_has_its_share_and_the_last_row_what_is_left():
         ["3", "1", "0", "1", "5", "0", "0"],
         ["4", "1", "1", "0", "3", "60", "60"],
         ["failed solves, files", "", "", "", "", "20", "20"],
+    ]
+
+
+def test_the_reduced_models_are_told_apart_by_their_own_ffr():
+    def answer(ffr, axisymmetric, network=None):
+        return {"ffr": ffr, "models": {"axisymmetric": {"ffr": axisymmetric}, "network": {"ffr": network}, "3d": {}}}
+
+    answers = [("a", "pre", answer(0.7, 0.8, 0.75)), ("a", "vci", answer(0.9, 0.92)), ("a", "rc", answer(0.9, 0.89))]
+    answers.append(("b", "vci", answer(0.95, 0.951, 0.949)))
+    assert _rows(reach_tables.reduced_models(answers)) == [
+        ["the model's FFR is below 0.85", "+0.1000 (a pre)", "+0.0500 (a pre)"],
+        ["it is not", "+0.0200 (a vci)", "-0.0010 (b vci)"],
+        ["range within one patient after PCI", "0.0000 to 0.0300 (a)", "0.0000 to 0.0000 (b)"],
     ]
 
 

@@ -95,7 +95,16 @@ TABLES = {
 STUDY, COVERAGE = "study", "coverage"
 STUDY_COLUMNS = ("case", "FFR before", "estimate", "eps", "CPU s", "estimate after", "CPU s after", "MiB")
 COVERAGE_COLUMNS = ("estimates of", "against", "number", "not below the error", "least over the error")
-USED_KEYS = ("ffr", "error_estimate", "artificial_viscosity", "cpu_seconds", "peak_memory_mib", "mesh", "meshes")
+USED_KEYS = (
+    "ffr",
+    "error_estimate",
+    "artificial_viscosity",
+    "cpu_seconds",
+    "peak_memory_mib",
+    "mesh",
+    "meshes",
+    "models",
+)
 DIGITS = {"volume_mm3": ".1f", "error": "+.4f", "mesh_cpu_s": ".1f", "solve_cpu_s": ".1f", "settled_cpu_s": ".1f"}
 
 
@@ -177,7 +186,12 @@ def meshes(results):
     return reach_tables.meshes(answers(results))
 
 
-FUNCTIONS = {STUDY: study, COVERAGE: coverage, "reach": reach, "meshes": meshes}
+def reduced_models(results):
+    """Markdown: how far reduced models are from 3D; None without a study."""
+    return reach_tables.reduced_models(answers(results))
+
+
+FUNCTIONS = {STUDY: study, COVERAGE: coverage, "reach": reach, "meshes": meshes, "reduced_models": reduced_models}
 PAGE = Page("flow", TABLES, DIGITS, FUNCTIONS)
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Tables of flow/measured.md over all states of a study: what was aimed at and found, and what each mesh costs."""
+"""Tables of flow/measured.md over all states of a study: aims, what is reached, cost of meshes, reduced models."""
 
 import csv
 import pathlib
@@ -11,6 +11,9 @@ TOLERANCE = 0.005  # the default of setting ffr_tolerance
 SECONDS_BEFORE, SECONDS_AFTER = 120, 40  # aims for a state before and after PCI, in CPU s
 REACH_COLUMNS = ("aim", "reached", "found")
 MESH_COLUMNS = ("rings", "states", "answers there", "no flow", "factorizations", "CPU s", "share of CPU s, %")
+MODEL_COLUMNS = ("states of the nine patients where", "axisymmetric minus 3D", "1D network minus 3D")
+REDUCED_MODELS = ("axisymmetric", "network")
+LOW_FFR = 0.85
 RINGS = {"mesh_coarsest.msh": 2, "mesh_coarse.msh": 3, "mesh.msh": 4}
 
 
@@ -56,7 +59,7 @@ def aims_of_study(answers):
     for words, states, limit in (("before", before, SECONDS_BEFORE), ("after", after, SECONDS_AFTER)):
         aim = f"a state {words} PCI in at most {limit} CPU s"
         rows += aim_for_states(aim, states, lambda answer: answer["cpu_seconds"], limit, " CPU s")
-        aim = f"its estimate within {TOLERANCE:g}"
+        aim = f"a state {words} PCI with an estimate within {TOLERANCE:g}"
         rows += aim_for_states(aim, states, lambda answer: (answer["error_estimate"] or {}).get("ffr"), TOLERANCE, "")
     minutes = sum(answer["cpu_seconds"] for _, _, answer in answers) / 60
     rows += aim_for_sum(
@@ -100,7 +103,7 @@ def aim_for_lines():
 
 
 def reach(results, answers):
-    """Markdown: the project's aims for the flow solver, whether they are reached, and the figures. None without a study.
+    """Markdown: the aims for the flow solver, whether they are reached, the figures. None without a study.
 
     answers: [(case, state, content of ffr.json)].
     """
@@ -127,6 +130,39 @@ def meshes(answers):
         rows.append([f"{rings}", *line, *share_of(seconds, total)])
     rows.append(["failed solves, files", *[""] * 4, *share_of(total - solved_seconds, total)])
     return markdown(MESH_COLUMNS, rows)
+
+
+def reduced_models(answers):
+    """Markdown: how far the FFR of the reduced models is from that in 3D, over the states; None if none was solved.
+
+    The differences are those of largest size, where the model's own FFR is below LOW_FFR and where it is not. The last
+    row has the largest range of the difference over the states after PCI of one patient.
+    """
+    differences = [
+        (model, answer["models"][model]["ffr"], answer["models"][model]["ffr"] - answer["ffr"], case, state)
+        for case, state, answer in answers
+        for model in REDUCED_MODELS
+        if answer["models"].get(model, {}).get("ffr") is not None
+    ]
+    if not differences:
+        return None
+    rows = []
+    for words, is_low in ((f"the model's FFR is below {LOW_FFR:g}", True), ("it is not", False)):
+        row = [words]
+        for model in REDUCED_MODELS:
+            found = [one for one in differences if one[0] == model and (one[1] < LOW_FFR) == is_low]
+            worst = max(found, key=lambda one: abs(one[2]), default=None)
+            row.append(f"{worst[2]:+.4f} ({worst[3]} {worst[4]})" if worst else "")
+        rows.append(row)
+    row = ["range within one patient after PCI"]
+    for model in REDUCED_MODELS:
+        by_case = {}
+        for _, _, difference, case, _ in (one for one in differences if one[0] == model and one[4] != STATE_BEFORE):
+            by_case.setdefault(case, []).append(difference)
+        ranges = {case: max(found) - min(found) for case, found in by_case.items()}
+        worst = max(ranges, key=ranges.get, default=None)
+        row.append(f"{min(ranges.values()):.4f} to {ranges[worst]:.4f} ({worst})" if worst else "")
+    return markdown(MODEL_COLUMNS, [*rows, row])
 
 
 def share_of(seconds, total):
