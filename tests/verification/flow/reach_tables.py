@@ -1,9 +1,8 @@
 """Tables of flow/measured.md over all states of a study: aims, what is reached, cost of meshes, reduced models."""
 
-import csv
 import pathlib
 
-from page_tables import markdown
+from page_tables import markdown, read_columns
 
 FLOW = pathlib.Path(__file__).resolve().parents[3] / "flow"
 STATE_BEFORE = "pre"  # the state before the intervention
@@ -17,13 +16,10 @@ LOW_FFR = 0.85
 RINGS = {"mesh_coarsest.msh": 2, "mesh_coarse.msh": 3, "mesh.msh": 4}
 
 
-def read_rows(results, benchmark, file):
-    """Rows of the table of a benchmark; [] if it was not run."""
+def benchmark_rows(results, benchmark, file, columns):
+    """Rows of the table of a benchmark, which must have these columns; [] if it was not run. Raises InputError."""
     path = results / "benchmarks" / benchmark / file
-    if not path.is_file():
-        return []
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
+    return read_columns(path, columns) if path.is_file() else []
 
 
 def aim_for_states(aim, states, value_of, limit, unit):
@@ -72,22 +68,20 @@ def aims_of_study(answers):
 
 def aims_of_benchmarks(results):
     """Rows on the hard cases and the comparisons with OpenFOAM and laboratories, as far as they were run."""
-    rows, hard = [], {row["case"]: row for row in read_rows(results, "flow_hard_cases", "hard_cases.csv")}
-    straight = {
-        case: hard[case] for case in hard if case in ("single_62", "single_75", "single_80", "single_85", "single_90")
-    }
-    rows += aim_for_states(
+    found = benchmark_rows(results, "flow_hard_cases", "hard_cases.csv", ("case", "error", "cpu_s"))
+    hard = {row["case"]: row for row in found}
+    straight = {case: hard[case] for case in hard if case.startswith("single_")}
+    rows = aim_for_states(
         "straight tubes, 62 to 90 %: error within .001", straight, lambda row: abs(float(row["error"])), 0.001, ""
     )
     if "eccentric_62" in hard:
         seconds = float(hard["eccentric_62"]["cpu_s"])
         rows += aim_for_sum("the eccentric lesion of 62 % in at most 15 CPU s", seconds, 15, " CPU s")
-    tree = {
-        f"{row['state']}, {row['cells']} cells": row
-        for row in read_rows(results, "flow_tree_against_openfoam", "tree.csv")
-    }
+    found = benchmark_rows(results, "flow_tree_against_openfoam", "tree.csv", ("state", "cells", "difference"))
+    tree = {f"{row['state']}, {row['cells']} cells": row for row in found}
     rows += aim_for_states("OpenFOAM on a tree within .01", tree, lambda row: abs(float(row["difference"])), 0.01, "")
-    jet = [row for row in read_rows(results, "flow_fda_jet", "jet.csv") if "rings" in row["row"]]
+    found = benchmark_rows(results, "flow_fda_jet", "jet.csv", ("row", "within"))
+    jet = [row for row in found if "rings" in row["row"]]
     for row in jet[-1:]:
         within, places = row["within"].split(" of ")
         aim = "the FDA's jet within the laboratories' spread"
