@@ -17,13 +17,14 @@ GRID_SPACING_MM = 0.2  # spacing of the grid on which the surface is first found
 LARGEST_RMS_ERROR_MM = 0.001  # root mean square distance of the surface's wall points from the exact wall
 
 
-def plaque_at(branches, points_mm):
-    """(thickness mm (n,), type (n,)) of the plaque behind wall points (n, 3), by the branch nearest to each.
+def plaque_at(field, points_mm):
+    """(thickness mm (n,), type (n,)) of the plaque behind wall points (n, 3), by the nearest branch of a LumenField.
 
     A side branch first runs through the plaque of its parent. There the parent's plaque surrounds the side branch, and
     reaches from the point to the parent's healthy wall.
     """
-    behind = {branch.name: _plaque_of_branch(branch, points_mm) for branch in branches}
+    branches = field.branches
+    behind = {b.name: _plaque_of_branch(field, number, points_mm) for number, b in enumerate(branches)}
     nearest = np.argmin([distance for _, distance, _ in behind.values()], axis=0)
     thickness, kind = np.zeros(len(points_mm)), np.zeros(len(points_mm), np.int32)
     for number, branch in enumerate(branches):
@@ -38,15 +39,15 @@ def plaque_at(branches, points_mm):
     return thickness, np.where(thickness > 0, kind, NONE)
 
 
-def _plaque_of_branch(branch, points_mm):
+def _plaque_of_branch(field, number, points_mm):
     """(thickness mm (n,) of a branch's plaque, distance mm (n,) from its lumen's wall, type (n,)) at points (n, 3)."""
+    branch = field.branches[number]
     s = np.clip(branch.axis.nearest(points_mm), 0, branch.axis.length_mm)
     offset = points_mm - branch.axis.point(s)
-    distance = np.abs(np.linalg.norm(offset, axis=1) - branch.radius(s))
     _, normal, binormal = branch.axis.frame(s)
     theta = np.arctan2(np.sum(offset * binormal, axis=1), np.sum(offset * normal, axis=1))
     kind = np.where(branch.calcium_share(s, theta) > 0.5, CALCIFIED, branch.uncalcified_type(s))
-    return branch.plaque_thickness(s, theta), distance, kind
+    return branch.plaque_thickness(s, theta), np.abs(field.branch_value(number, points_mm)), kind
 
 
 def check_narrowest_radius(branches, spacing_mm, where):
@@ -89,7 +90,7 @@ def run(case_path, out, spacing_mm=GRID_SPACING_MM):
         place = np.round(points[triangles[crossing[0, 0]]].mean(axis=0), 2).tolist()
         what, value = "the surface crosses itself", f"{len(crossing)} pairs of triangles, first near {place} mm"
         raise ComputationError(what, "lumen surface", value, "another seed, or branches farther apart")
-    thickness, kind = plaque_at(branches, points)
+    thickness, kind = plaque_at(field, points)
     poly = vtp.surface(points, triangles)
     for name, values in (("plaque_thickness_mm", thickness), ("plaque_type", kind.astype(np.int32))):
         vtp.add_array(poly.GetPointData(), name, values)

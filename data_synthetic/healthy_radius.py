@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from common.implicit.field import BLEND_MM
+from common.implicit.roots import BLEND_MM, smooth_step
 
 TRANSITION_HALF_MM = 2.0  # half the length over which the main radius falls at a bifurcation
 
@@ -68,12 +68,6 @@ def main_healthy_radius(vessel, s_mm):
 def side_healthy_radius(side, bifurcation, s_mm):
     """Healthy radius (mm) of a side branch at arc lengths s_mm from its root: constant in its ostium, then tapered."""
     return bifurcation.side_mm * _taper(side, np.maximum(np.asarray(s_mm, float) - bifurcation.side_level_mm, 0))
-
-
-def smooth_step(x):
-    """0 for x <= 0, 1 for x >= 1, twice continuously differentiable."""
-    x = np.clip(x, 0, 1)
-    return x * x * x * (10 - 15 * x + 6 * x * x)
 
 
 def _taper(branch, length_mm):

@@ -9,6 +9,7 @@ from common.errors import InputError
 from common.implicit.cut import reach_of_cut
 from common.implicit.curves import SAMPLE_MM, Curve, curve_from_curvatures
 from common.implicit.field import open_ends
+from common.implicit.roots import smooth_step
 from common.patient.plaque_types import FIBROUS
 
 from . import healthy_radius, disease
@@ -41,6 +42,14 @@ class Branch:
     def radius(self, s_mm):
         """Lumen radius (mm) at arc lengths s_mm, constant beyond the ends."""
         return _interpolate(s_mm, self.axis.s_mm, self.radius_mm)
+
+    def radius_slope(self, s_mm):
+        """Derivative of `radius` with respect to arc length."""
+        return _interpolate(s_mm, self.axis.s_mm, self.radius_mm, derivative=True)
+
+    def least_radius(self, s_mm):
+        """Distance (mm) from the axis to the nearest wall in the sections at s_mm: a section is a circle."""
+        return self.radius(s_mm)
 
     def healthy_radius(self, s_mm):
         """Healthy radius (mm) at arc lengths s_mm."""
@@ -75,16 +84,22 @@ class Branch:
         return types[np.argmin(distance, axis=0)]
 
 
-def _interpolate(s_mm, samples, values):
-    """Cubic Hermite interpolation of evenly spaced samples. The field's gradient needs its continuous derivative.
+def _interpolate(s_mm, samples, values, derivative=False):
+    """Cubic Hermite interpolation of evenly spaced samples, or its derivative. It is constant beyond the ends.
 
-    The slopes are central differences. So a value between two samples may lie slightly outside their range.
+    The field's gradient needs the continuous derivative. The slopes are central differences. So a value between two
+    samples may lie slightly outside their range.
     """
-    x = np.clip((np.asarray(s_mm, float) - samples[0]) / (samples[1] - samples[0]), 0, len(samples) - 1)
+    spacing = samples[1] - samples[0]
+    wanted = (np.asarray(s_mm, float) - samples[0]) / spacing
+    x = np.clip(wanted, 0, len(samples) - 1)
     i = np.minimum(x.astype(int), len(samples) - 2)
     t = x - i
     slope = np.gradient(values)
     v0, v1, m0, m1 = values[i], values[i + 1], slope[i], slope[i + 1]
+    if derivative:
+        inner = m0 + t * (6 * (v1 - v0) - 4 * m0 - 2 * m1) + 3 * t * t * (2 * (v0 - v1) + m0 + m1)
+        return np.where(x == wanted, inner, 0.0) / spacing
     return v0 + t * m0 + t * t * (3 * (v1 - v0) - 2 * m0 - m1) + t**3 * (2 * (v0 - v1) + m0 + m1)
 
 
@@ -123,8 +138,12 @@ def _random_axis(vessel, rng):
     return Curve(curve_from_curvatures(k[:, 0], k[:, 1], s[1]))
 
 
-def _side_axis(main, side, main_radius):
-    """Axis of a side branch: it leaves at its angle, then follows the main vessel's direction at a distance."""
+def _side_axis(main, side, main_radius, root):
+    """Axis of a side branch: it leaves at its angle, then follows the main vessel's direction at a distance.
+
+    main: Curve of the main vessel before any lesion; main_radius: its healthy radius (mm) there. root: point (3,) in mm
+    where the axis starts.
+    """
     tangent, normal, binormal = main.frame(side["s_mm"])
     azimuth, angle = np.radians(side["azimuth_deg"]), np.radians(side["angle_deg"])
     outward = np.cos(azimuth) * normal + np.sin(azimuth) * binormal
@@ -132,13 +151,11 @@ def _side_axis(main, side, main_radius):
     # The branch runs straight to 3 mm past the main wall. Then it turns towards the main vessel's direction, by at most
     # 0.04 rad/mm, until the angle is 30 degrees.
     straight = main_radius / np.sin(angle) + 3.0
-    turned = np.maximum(
-        angle - 0.04 * np.maximum(s - straight, 0) * healthy_radius.smooth_step((s - straight) / 4), np.radians(30)
-    )
+    turned = np.maximum(angle - 0.04 * np.maximum(s - straight, 0) * smooth_step((s - straight) / 4), np.radians(30))
     turned = np.minimum(turned, angle)
     direction = np.cos(turned)[:, None] * tangent + np.sin(turned)[:, None] * outward
     steps = 0.5 * (direction[1:] + direction[:-1]) * s[1]
-    return Curve(main.point(side["s_mm"]) + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)]))
+    return Curve(root + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)]))
 
 
 def _branch_with_lesions(name, parent, s_parent, axis, healthy, lesions, rng):
@@ -261,9 +278,11 @@ def grow(vessel, where="vessel"):
         sides = zip(healthy_radius.ordered_side_branches(vessel), healthy_radius.bifurcations(vessel))
         for index, (side, fork) in enumerate(sides):
             name = f"side{index + 1}"
-            side_axis = _side_axis(axis, side, float(healthy_radius.main_healthy_radius(vessel, side["s_mm"])))
-            radius = healthy_radius.side_healthy_radius(side, fork, side_axis.s_mm)
+            # Eccentric plaque shifts the main lumen. The side branch opens into the lumen where it is.
             s_main = float(main.axis.nearest(axis.point(np.array([side["s_mm"]])))[0])
+            main_healthy = float(healthy_radius.main_healthy_radius(vessel, side["s_mm"]))
+            side_axis = _side_axis(axis, side, main_healthy, main.axis.point(s_main))
+            radius = healthy_radius.side_healthy_radius(side, fork, side_axis.s_mm)
             branches.append(_branch_with_lesions(name, "main", s_main, side_axis, radius, lesions.get(name, []), rng))
         conflict = _first_conflict(branches)
         if conflict is None:

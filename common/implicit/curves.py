@@ -100,6 +100,16 @@ class Curve:
             s[inside] = si + np.clip(step, -SAMPLE_MM, SAMPLE_MM)
         return s
 
+    def arc_length_gradient(self, points_mm, s_mm):
+        """Gradient (n, 3) of the arc length of the nearest point, at points (n, 3) whose nearest points lie at s_mm."""
+        inside = np.clip(s_mm, 0, self.length_mm)
+        first = self._first(inside)
+        slope = np.sum(first * first, axis=1)
+        bent = inside == s_mm  # beyond its ends the curve is straight
+        offset = points_mm[bent] - self._spline(inside[bent])
+        slope[bent] -= np.sum(offset * self._second(inside[bent]), axis=1)
+        return first / np.maximum(slope, 0.1)[:, None]
+
 
 def curve_from_curvatures(curvature_1, curvature_2, step_mm):
     """Points (n, 3) in mm of a curve, from its curvatures (n,) in 1/mm towards the normal and the binormal.

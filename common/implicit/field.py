@@ -2,7 +2,8 @@
 
 import numpy as np
 
-BLEND_MM = 0.5  # two branches are blended where their fields differ by less than this
+from .roots import BLEND_MM, root_of
+
 NARROW_BAND_MM = 0.6  # on a grid the field is computed only this near to the wall
 
 
@@ -12,48 +13,98 @@ def smooth_minimum(a, b, width=BLEND_MM):
     return np.minimum(a, b) - 0.25 * width * h * h
 
 
+def _smooth_minimum_slope(a, b, width):
+    """Derivative of smooth_minimum with respect to a. The derivative with respect to b is 1 minus this."""
+    half = 0.5 * np.maximum(width - np.abs(a - b), 0) / width
+    return np.where(a < b, 1 - half, half)
+
+
 class LumenField:
     """Smooth union of the branches. The field of one branch at a point x is |x - c(s)| - r(s).
 
     c(s) is the point of the branch's axis nearest to x, r(s) the radius there. Only different branches are blended, so
-    a single branch has its exact radius. Open ends run straight on beyond the caps.
+    a single branch has its exact radius. A side branch begins as its Root says. Open ends run straight on beyond the
+    caps.
     """
 
     def __init__(self, branches):
         self.branches = branches
+        self._roots = [root_of(branch, branches[:number]) for number, branch in enumerate(branches)]
 
-    def branch_value(self, branch, points_mm, iterations=4):
-        """Field (n,) in mm of one branch alone at points (n, 3). iterations: see Curve.nearest."""
-        s = branch.axis.nearest(points_mm, iterations)
-        if branch.parent:
-            s = np.maximum(s, 0.0)  # a side branch starts inside its parent, with a round end
-        return np.linalg.norm(points_mm - branch.axis.point(s), axis=1) - branch.radius(s)
+    def radius(self, branch, s_mm, offset_mm):
+        """Radius (n,) in mm of one branch at arc lengths s_mm (n,), in the directions of offset_mm (n, 3)."""
+        return branch.radius(s_mm)
+
+    def radius_gradient(self, branch, s_mm, offset_mm, arc_gradient):
+        """Gradient (n, 3) of `radius` at the points that lie offset_mm (n, 3) from the axis at s_mm (n,).
+
+        arc_gradient: gradient (n, 3) of the points' arc length.
+        """
+        return branch.radius_slope(s_mm)[:, None] * arc_gradient
+
+    def axis_radius(self, number, s_mm):
+        """Radius (n,) in mm of a branch, by its number, at arc lengths s_mm (n,), also near its root."""
+        return self.branches[number].radius(s_mm) * self._roots[number].share(s_mm)
+
+    def branch_value(self, number, points_mm, iterations=4):
+        """Field (n,) in mm of one branch alone, by its number, at points (n, 3). iterations: see Curve.nearest."""
+        branch = self.branches[number]
+        s, offset = _nearest_on_axis(branch, points_mm, iterations)
+        return np.linalg.norm(offset, axis=1) - self._roots[number].share(s) * self.radius(branch, s, offset)
 
     def value(self, points_mm, iterations=4):
         """Field (n,) in mm of all branches at points (n, 3). iterations: see Curve.nearest."""
-        total = self.branch_value(self.branches[0], points_mm, iterations)
-        for branch in self.branches[1:]:
+        total = self.branch_value(0, points_mm, iterations)
+        for number, branch in enumerate(self.branches[1:], start=1):
             # A side branch cannot change the minimum far from itself; skipping it saves most of the work.
             near = _inside_box(branch, points_mm, 3.0)
             if near.any():
-                total[near] = smooth_minimum(total[near], self.branch_value(branch, points_mm[near], iterations))
+                value = self.branch_value(number, points_mm[near], iterations)
+                total[near] = smooth_minimum(total[near], value, self._roots[number].blend_mm)
         return total
 
-    def gradient(self, points_mm, step_mm=1e-4):
-        """Gradient (n, 3) of the field at points (n, 3), by central differences."""
-        shifts = step_mm * np.eye(3)
-        return np.stack(
-            [(self.value(points_mm + d) - self.value(points_mm - d)) / (2 * step_mm) for d in shifts], axis=1
-        )
+    def value_and_gradient(self, points_mm):
+        """Field (n,) in mm and its gradient (n, 3) at points (n, 3)."""
+        total, gradient = self._branch_value_and_gradient(0, points_mm)
+        for number, branch in enumerate(self.branches[1:], start=1):
+            near = _inside_box(branch, points_mm, 3.0)
+            if near.any():
+                blend = self._roots[number].blend_mm
+                value, slope = self._branch_value_and_gradient(number, points_mm[near])
+                share = _smooth_minimum_slope(total[near], value, blend)[:, None]
+                gradient[near] = share * gradient[near] + (1 - share) * slope
+                total[near] = smooth_minimum(total[near], value, blend)
+        return total, gradient
+
+    def _branch_value_and_gradient(self, number, points_mm):
+        branch, root = self.branches[number], self._roots[number]
+        s, offset = _nearest_on_axis(branch, points_mm, iterations=4)
+        distance = np.linalg.norm(offset, axis=1)
+        # The distance does not change with s, as its point of the axis is the nearest one. Only the radius does.
+        arc_gradient = branch.axis.arc_length_gradient(points_mm, s)
+        if branch.parent:
+            arc_gradient[s <= 0] = 0.0  # the round end has one centre
+        radius, share = self.radius(branch, s, offset), root.share(s)
+        slope = share[:, None] * self.radius_gradient(branch, s, offset, arc_gradient)
+        slope += (radius * root.share_slope(s))[:, None] * arc_gradient
+        outward = offset / np.maximum(distance, 1e-12)[:, None]
+        return distance - share * radius, outward - slope
 
     def project(self, points_mm, iterations=3):
         """Points (n, 3) moved onto the wall (zero level) along the gradient, by Newton steps of bounded length."""
         for _ in range(iterations):
-            gradient = self.gradient(points_mm)
-            value = self.value(points_mm)
+            value, gradient = self.value_and_gradient(points_mm)
             step = value / np.maximum(np.sum(gradient**2, axis=1), 0.1)
             points_mm = points_mm - np.clip(step, -0.3, 0.3)[:, None] * gradient
         return points_mm
+
+
+def _nearest_on_axis(branch, points_mm, iterations):
+    """(arc lengths (n,) of the points of the branch's axis nearest to points (n, 3), offsets (n, 3) from them), mm."""
+    s = branch.axis.nearest(points_mm, iterations)
+    if branch.parent:
+        s = np.maximum(s, 0.0)  # a side branch starts inside its parent, with a round end
+    return s, points_mm - branch.axis.point(s)
 
 
 def _inside_box(branch, points_mm, margin_mm):
@@ -81,10 +132,10 @@ def sample_grid(field, spacing_mm):
     grid also covers the straight extensions of the open ends.
     """
     axis_samples = []
-    for branch in field.branches:
+    for number, branch in enumerate(field.branches):
         axis, extension = branch.axis, 2 * branch.healthy_radius_mm.max()
         s = np.arange(-extension if not branch.parent else 0.0, axis.length_mm + extension, spacing_mm)
-        axis_samples.append((axis.point(s), branch.radius(s)))
+        axis_samples.append((axis.point(s), field.axis_radius(number, s)))
     margin = max(r.max() for _, r in axis_samples) + NARROW_BAND_MM + 2 * spacing_mm
     low = np.min([p.min(axis=0) for p, _ in axis_samples], axis=0) - margin
     high = np.max([p.max(axis=0) for p, _ in axis_samples], axis=0) + margin

@@ -65,7 +65,7 @@ class KnownLumen:
         lumen = field.LumenField(self.branches)
         points, triangles, _ = surface.build(lumen, generate.GRID_SPACING_MM)
         self.surface, poly = (points, triangles), vtp.surface(points, triangles)
-        thickness, kind = generate.plaque_at(self.branches, points)
+        thickness, kind = generate.plaque_at(lumen, points)
         self.vessel = vessel.from_surface(poly, where)
         wall = self.vessel.lumen_wall_indices
         self.vessel.plaque_mm[: len(wall)], self.vessel.plaque_type[: len(wall)] = thickness[wall], kind[wall]

@@ -35,3 +35,29 @@ def test_ends_are_the_inlet_and_one_outlet_a_branch(branches):
     (_, centre, normal, radius) = field.open_ends(branches)[0]
     assert np.allclose(centre, branches[0].axis.point(0.0)) and radius == pytest.approx(1.7)
     assert normal @ (branches[0].axis.point(1.0) - centre) < 0
+
+
+def near_the_wall(lumen):
+    low, values = field.sample_grid(lumen, 0.4)
+    return low + 0.4 * np.argwhere(np.abs(values) < 0.3)[::7]
+
+
+def central_differences(lumen, points, step_mm=1e-4):
+    shifts = step_mm * np.eye(3)
+    return np.stack([(lumen.value(points + d) - lumen.value(points - d)) / (2 * step_mm) for d in shifts], axis=1)
+
+
+def test_gradient_is_that_of_the_value(branches):
+    """Also where branches are blended, in the round end of the side branch, and beyond the open ends."""
+    lumen = field.LumenField(branches)
+    side = branches[1]
+    tangent, normal, _ = side.axis.frame(0.0)
+    in_round_end = side.axis.point(0.0) - tangent * 0.3 + normal * 0.2
+    points = np.concatenate([near_the_wall(lumen), [in_round_end]])
+    value, gradient = lumen.value_and_gradient(points)
+    assert np.array_equal(value, lumen.value(points))
+    # Half the points next to a sample of the radius are differenced over two pieces of a cubic.
+    assert np.abs(gradient - central_differences(lumen, points)).max() < 1e-5
+    blended = np.abs(lumen.branch_value(0, points) - lumen.branch_value(1, points)) < field.BLEND_MM
+    beyond = branches[0].axis.nearest(points) < 0
+    assert blended.sum() > 5 and beyond.sum() > 5

@@ -59,9 +59,10 @@ def test_a_side_branch_in_a_lesion_runs_through_plaque():
     s = np.linspace(0.3, 4, 60)
     _, normal, binormal = side.axis.frame(s)
     turn = np.linspace(0, 8 * np.pi, 60)[:, None]
-    radius = side.radius(s)[:, None]
+    lumen = field.LumenField([main, side])
+    radius = lumen.axis_radius(1, s)[:, None]
     points = side.axis.point(s) + radius * (np.cos(turn) * normal + np.sin(turn) * binormal)
-    thickness, kind = generate.plaque_at([main, side], points)
+    thickness, kind = generate.plaque_at(lumen, points)
     at = main.axis.nearest(points)
     off_axis = np.linalg.norm(points - main.axis.point(at), axis=1)
     depth = main.healthy_radius(at) - off_axis

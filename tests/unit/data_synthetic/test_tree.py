@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from common.errors import InputError
+from common.implicit import field
 from common.implicit.curves import Curve
 from data_synthetic import tree
 
@@ -89,3 +90,24 @@ def test_a_lesion_that_bends_the_lumen_too_sharply_is_said_to(vessel):
 def test_a_whole_number_written_with_a_point_is_that_number(vessel):
     whole, pointed = (tree.grow(vessel(seed=seed))[0].axis.points_mm for seed in (7, 7.0))
     assert np.array_equal(whole, pointed)
+
+
+@pytest.mark.parametrize("eccentricity", [0.0, 0.9])
+@pytest.mark.parametrize("percent", [0, 40, 70])
+def test_a_side_branch_inside_a_lesion_leaves_the_opposite_wall_alone(vessel, percent, eccentricity):
+    """The branch is wider than its parent's narrowed lumen, and starts in it wherever the plaque has shifted it."""
+    lesion = {"centre_s_mm": 20, "length_mm": 14, "diameter_stenosis_percent": percent, "eccentricity": eccentricity}
+    side = {"s_mm": 20, "diameter_mm": 2.4, "length_mm": 9, "azimuth_deg": 40}
+    main, branch = tree.grow(vessel(lesions=[lesion] if percent else [], side_branches=[side]))
+    lumen = field.LumenField([main, branch])
+    s = np.linspace(main.axis.nearest(branch.axis.point(0.0)[None])[0] - 2, 23, 40)
+    tangent, normal, binormal = main.axis.frame(s)
+    outward = branch.axis.frame(0.0)[0]
+    for angle in np.radians([120, 180, 240]):  # from the side branch's direction, round the main axis
+        across = outward - np.sum(outward * tangent, axis=1)[:, None] * tangent
+        across /= np.linalg.norm(across, axis=1)[:, None]
+        ray = np.cos(angle) * across + np.sin(angle) * np.cross(tangent, across)
+        wall = main.axis.point(s) + main.radius(s)[:, None] * ray
+        assert np.all(np.abs(lumen.value(wall)) < 1e-3)
+    clear = branch.axis.s_mm > 1.7 / np.sin(np.radians(side.get("angle_deg", 60)))
+    assert np.allclose(branch.radius(branch.axis.s_mm[clear]), branch.healthy_radius(branch.axis.s_mm[clear]))
