@@ -48,7 +48,7 @@ rule flow_growth:
     params:
         out=output_folder,
     shell:
-        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} 3:2 4:3 5:4 6:4"
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} 4:3 5:4 6:4"
 
 
 rule flow_tolerance:

@@ -110,7 +110,8 @@ def vci_row(nozzle, boundary, folder):
         "within": count_within(on_axis),
         "reattached": reattachment(WALL_PLACES_MM, wall),
     }
-    return found | {"ffr": f"{answer['ffr']:.5f}", "estimate": f"{answer['error_estimate']['ffr']:.4f}"}
+    estimate = answer["error_estimate"]
+    return found | {"ffr": f"{answer['ffr']:.5f}", "estimate": f"{estimate['ffr']:.4f}" if estimate else "unknown"}
 
 
 def along_x(path, x_mm, radius_mm):

@@ -55,6 +55,10 @@ def solve(folder, rings, coarse, reference):
     command(folder, "solve", *names, "--centreline", "centreline.vtp", "--out", out, *chosen)
     answer = json.loads((folder / out / "ffr.json").read_text())
     fine = answer["meshes"][-1]
+    if fine["status"] == "no flow":
+        raise SystemExit(
+            f"{rings}:{coarse}: no flow on {rings} rings from that on {coarse}; give another pair of meshes"
+        )
     return {
         "rings": rings,
         "coarse_rings": coarse,

@@ -18,7 +18,7 @@ import sys
 import meshio
 import numpy as np
 
-sys.path[:0] = [str(pathlib.Path(__file__).parent)]
+sys.path[:0] = [str(pathlib.Path(__file__).parent), str(pathlib.Path(__file__).resolve().parents[3])]
 
 import axisymmetric  # noqa: E402
 import growth  # noqa: E402
