@@ -45,6 +45,27 @@ double hoop_hardening(const StentSpec& spec) {
   return (1 - crimped_tension_ratio) * spec.yield_strain() / std::log(spec.nominal_diameter / spec.crimped_diameter);
 }
 
+/// Bending stiffness (N mm) of the hinges at the edges.
+double hinge_stiffness(const StentSpec& spec) {
+  // A free ring must not buckle below the maker's radial strength. By Levy it buckles at the pressure 3 EI / R^3, with
+  // EI its bending stiffness per axial length.
+  const double radius = 0.5 * spec.nominal_diameter;
+  const double buckling_rigidity = spec.radial_strength_mpa * radius * radius * radius / 3;
+  return std::max(buckling_rigidity, hinge_coefficient * std::pow(spec.strut_thickness / hinge_strut_thickness, 3));
+}
+
+/// Stiffness (N/mm) of the axial fibres, which gives the stent its bending stiffness.
+///
+/// A tube of radius R whose wall has the axial stiffness k bends with pi R^3 k. A part of k is the film's. A hinge at
+/// an edge round the stent turns by the curvature times the spacing of the rings times the cosine of its angle round
+/// the stent. So n hinges of stiffness c in each ring bend with n c / 2 times the spacing.
+double fibre_stiffness(const StentSpec& spec, const RingGrid& grid) {
+  const double radius = 0.5 * spec.nominal_diameter, spacing = spec.length / (grid.rings() - 1);
+  const double of_hinges = 0.5 * grid.ring_size * hinge_stiffness(spec) * spacing;
+  const double of_wall = (spec.bending_stiffness - of_hinges) / (pi * radius * radius * radius);
+  return std::max(0.0, of_wall - stent_film.stiffness);
+}
+
 } // namespace
 
 double opening_pressure_mpa(const StentSpec& spec, double diameter) {
@@ -111,28 +132,12 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   for (int r = 0; r + 1 < grid.rings(); ++r)
     for (int k = 0; k < grid.ring_size; ++k)
       fibres.push_back({first + r * grid.ring_size + k, first + (r + 1) * grid.ring_size + k, grid.s[r + 1] - grid.s[r],
-                        spec.axial_stiffness * share});
+                        fibre_stiffness(spec, grid) * share});
   system.add_force(body, std::make_unique<Fibres>(fibres));
   const Vectors rest = straight_grid(grid, 0.5 * spec.nominal_diameter);
   std::vector<InteriorEdge> edges = interior_edges(grid.triangles(), rest);
   offset_vertices(edges, first);
-  // Axial fibres of stiffness k give the stent the bending stiffness pi R^3 k. Hinges at the edges round the rings give
-  // the rest. When the stent bends, a hinge turns by curvature times ring spacing times the cosine of the hinge's angle
-  // round the stent.
-  const double nominal_radius = 0.5 * spec.nominal_diameter, spacing = spec.length / (grid.rings() - 1);
-  const double fibre_bending = pi * nominal_radius * nominal_radius * nominal_radius * spec.axial_stiffness;
-  const double ring_coefficient =
-      2 * std::max(0.0, spec.bending_stiffness - fibre_bending) / (grid.ring_size * spacing);
-  // A free ring must not buckle below the maker's radial strength. By Levy it buckles at the pressure 3 EI / R^3, with
-  // EI its bending stiffness per axial length.
-  const double buckling_rigidity = spec.radial_strength_mpa * nominal_radius * nominal_radius * nominal_radius / 3;
-  const double bending_coefficient =
-      std::max(buckling_rigidity, hinge_coefficient * std::pow(spec.strut_thickness / hinge_strut_thickness, 3));
-  std::vector<double> coefficients;
-  for (const InteriorEdge& e : edges) {
-    const bool on_ring = (e.e0 - first) / grid.ring_size == (e.e1 - first) / grid.ring_size;
-    coefficients.push_back(on_ring ? std::max(ring_coefficient, bending_coefficient) : bending_coefficient);
-  }
+  const std::vector<double> coefficients(edges.size(), hinge_stiffness(spec));
   system.add_force(body, std::make_unique<Hinges>(edges, with_leading_zeros(rest, first), coefficients, 0.1));
   const Triangles& triangles = system.body(body).triangles;
   system.add_force(
