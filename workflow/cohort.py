@@ -109,10 +109,11 @@ def _any_patient_ended(results, names, finished, since):
 
 
 def projected_costs(out, cores):
-    """[{patients, core_hours, wall_hours, kept_gb}] for the finished patients and for PROJECTED_COUNTS.
+    """[{patients, core_hours, wall_hours, peak_gb, kept_gb}] for the finished patients and for PROJECTED_COUNTS.
 
     The cost of a patient is the mean over the finished ones, from the shards' cost.csv. wall_hours assumes that none of
-    this machine's `cores` is ever idle. The list is empty if no patient is finished.
+    this machine's `cores` is ever idle. peak_gb: when the last shard has run and is not pruned yet. The list is empty
+    if no patient is finished.
     """
     tables = [
         list(csv.DictReader(file.open(newline=""))) for file in sorted(pathlib.Path(out).glob("shards/*/cost.csv"))
@@ -122,11 +123,13 @@ def projected_costs(out, cores):
         return []
     seconds = sum(float(row["cpu_s"]) for table in tables for row in table) / finished
     kept = sum(float(table[-1]["kept_mb"]) for table in tables) / finished
+    made = sum(max(float(row["made_mb"]) for row in table) for table in tables) / finished
     return [
         {
             "patients": count,
             "core_hours": round(count * seconds / 3600, 1),
             "wall_hours": round(count * seconds / 3600 / cores, 1),
+            "peak_gb": round((count * kept + min(count, SHARD_SIZE) * max(made - kept, 0)) / 1000, 2),
             "kept_gb": round(count * kept / 1000, 2),
         }
         for count in (finished, *PROJECTED_COUNTS)

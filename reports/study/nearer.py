@@ -9,8 +9,8 @@ from reports.study.agreement import QUANTITIES, UNITS, largest_estimate, paired_
 from reports.study.inclusion import patient_groups
 
 SIGNIFICANCE_LEVEL = 0.05  # significance level of each row's test, two-sided
-# Fewer patients cannot show a difference: the smallest possible p of n pairs is 2 / 2^n, 0.0625 for five patients and
-# 0.03125 for six.
+# Fewer patients without a tie cannot show a difference: the smallest possible p of n pairs is 2 / 2^n, 0.0625 for five
+# patients and 0.03125 for six.
 FEWEST_PATIENTS = 6
 RADIUS_CORRECTION = {"vci": "rc", "ct_vci": "ct_rc"}  # predicted by VCI -> by radius correction, from the same lumen
 NEARER, FARTHER, UNDECIDED = "nearer", "farther", "no difference shown"
@@ -35,8 +35,8 @@ def nearer_table(documents):
 
     A row needs a patient with both predictions. error_vci, error_rc: mean absolute error over the patients. p: by
     Wilcoxon's two-sided signed-rank test of the absolute errors (scipy.stats.wilcoxon); None for fewer than six
-    patients. ties: patients whose two absolute errors are equal; for FFR, whose two differ by no more than the flow's
-    own error.
+    patients that are no ties. ties: patients whose two absolute errors are equal; for FFR, whose two differ by no more
+    than the flow's own error.
     """
     rows = [{"patients": name, **row} for name, found in patient_groups(documents) for row in nearer_rows(found)]
     return pd.DataFrame(rows, columns=COLUMNS)
@@ -82,9 +82,8 @@ def paired_test(vci, rc, noise):
     result = {"n": len(vci), "error_vci": vci.mean(), "error_rc": rc.mean()}
     result |= {"patients_vci_nearer": int((decided < 0.0).sum()), "ties": len(vci) - len(decided), "p": None}
     result["vci_is"] = UNDECIDED
-    if len(vci) >= FEWEST_PATIENTS:
-        # if all patients are ties, the test has nothing to rank
-        result["p"] = float(wilcoxon(decided).pvalue) if len(decided) else 1.0
+    if len(decided) >= FEWEST_PATIENTS:
+        result["p"] = float(wilcoxon(decided).pvalue)
         if result["p"] < SIGNIFICANCE_LEVEL:
             result["vci_is"] = NEARER if np.median(decided) < 0.0 else FARTHER
     return result

@@ -29,6 +29,7 @@ COMPARISON_NAMES = {
     "vci_minus_reference": "VCI, method",
     "rc_minus_reference": "radius correction, method",
     "ct_vci_minus_vci": "VCI, imaging before",
+    "ct_rc_minus_rc": "radius correction, imaging before",
     "ct_minus_reference": "imaging after",
     "ct_vci_minus_ct": "VCI, all together",
     "ct_rc_minus_ct": "radius correction, all together",

@@ -1,5 +1,6 @@
 # Benchmarks of the flow. benchmarks.smk says how benchmarks run, and which of them `snakemake benchmarks` runs.
 SOLVED_STATES = [f"results/cases/quick_branch/flow/{state}" for state in ("pre", "vci")]  # flows in a branched vessel
+STATES_ON_FINER_MESH = expand("results/cases/{case}/flow/{state}", case=CASES, state=["pre", "vci"])
 STRAIGHT_TUBES = (*(f"single_{percent}" for percent in (62, 75, 80, 85, 90)), "tandem_60", "throat_re_1500")
 
 
@@ -141,6 +142,32 @@ rule flow_tree_against_openfoam:
     params:
         out=output_folder,
         states=SOLVED_STATES,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} {params.states}"
+
+
+rule flow_finer_mesh:
+    message:
+        "benchmark: estimates of the answers beside the next finer mesh, by its own name only"
+    input:
+        code=flow_benchmark_code("finer_mesh"),
+        factors=FLOW_FACTORS,
+        script="tests/verification/flow/finer_mesh.py",
+        boundaries=expand("results/cases/{case}/flow/boundary.json", case=CASES),
+        meshes=expand("{state}/{file}", state=STATES_ON_FINER_MESH, file=["mesh.msh", "mesh.json", *COARSE_MESHES]),
+        answers=expand("{state}/{file}", state=STATES_ON_FINER_MESH, file=["ffr.json", "solution.vtu"]),
+    output:
+        "results/benchmarks/flow_finer_mesh/finer_mesh.csv",
+    log:
+        "results/benchmarks/logs/flow_finer_mesh.log",
+    benchmark:
+        "results/benchmarks/logs/flow_finer_mesh.tsv"
+    threads: ALL_CORES
+    resources:
+        **WHOLE_NODE,
+    params:
+        out=output_folder,
+        states=STATES_ON_FINER_MESH,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} {params.states}"
 

@@ -179,5 +179,7 @@ def flow_error(rows):
 
 
 def too_few(row):
-    """Words that say: the patients of this row of nearer.csv are too few."""
-    return f"{count_patients(row['n'])} {'is' if row['n'] == 1 else 'are'} too few"
+    """Words that say: the patients of this row of nearer.csv are too few. Ties do not count."""
+    decided = row["n"] - row["ties"]
+    words = count_patients(decided) + (" without a tie" if row["ties"] else "")
+    return f"{words} {'is' if decided == 1 else 'are'} too few"

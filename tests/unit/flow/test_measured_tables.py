@@ -46,7 +46,9 @@ def test_a_file_without_a_column_is_refused(tmp_path):
 
 def _write_state(folder, case, state, **changes):
     answer = {"dofs": 9, "ffr": 0.71234, "error_estimate": {"ffr": 0.0014}, "artificial_viscosity": 0}
+    powers = {"friction_w": 0.9, "grad_div_w": 0.1, "artificial_w": 0.25, "backflow_w": 0.0}
     answer |= {
+        "energy": powers,
         "mesh": "mesh.msh",
         "meshes": [],
         "models": {},
@@ -63,13 +65,14 @@ def test_the_study_has_a_row_for_each_case_with_the_worst_state_after(tmp_path):
     text = TEXT.replace("flow_hard_cases", "study")
     assert measured_tables.PAGE.filled(text, tmp_path) == text
     _write_state(tmp_path, "lad01", "ct", error_estimate={"ffr": 0.0021}, cpu_seconds=40)
-    _write_state(tmp_path, "lad01", "pre")
+    estimate = {"ffr": 0.0014, "artificial_viscosity": -0.0004}
+    _write_state(tmp_path, "lad01", "pre", error_estimate=estimate, artificial_viscosity=0.01)
     _write_state(tmp_path, "lad01", "vci", peak_memory_mib=1600)
     _write_state(tmp_path, "lad02", "vci", error_estimate=None)
     lines = measured_tables.PAGE.filled(text, tmp_path).splitlines()
     assert lines[2].startswith("| case | FFR before | estimate |") and len(lines) == 8
-    assert lines[4] == "| lad01 | 0.7123 | 0.0014 | 0 | 119 | 0.0021 | 119 | 1600 |"
-    assert lines[5] == "| lad02 |  |  |  |  | unknown | 119 | 1519 |"
+    assert lines[4] == "| lad01 | 0.7123 | 0.0014 | 0.01 | 0.0006 | 8.0 | 119 | 0.0021 | 119 | 1600 |"
+    assert lines[5] == "| lad02 |  |  |  |  |  |  | unknown | 119 | 1519 |"
     (tmp_path / "cases" / "lad01" / "flow" / "pre" / "ffr.json").write_text("{}")
     with pytest.raises(InputError, match="not an answer of the flow solver"):
         measured_tables.PAGE.filled(text, tmp_path)
@@ -84,6 +87,19 @@ def test_an_estimate_is_judged_by_the_next_finer_mesh(tmp_path):
     _write_state(tmp_path, "lad01", "vci", meshes=meshes[:1])
     lines = measured_tables.PAGE.filled(text, tmp_path).splitlines()
     assert lines[4] == "| trees before PCI, meshes passed over | next finer mesh | 2 | 1 | 0.5 |" and len(lines) == 7
+    _write_finer(tmp_path)
+    lines = measured_tables.PAGE.filled(text, tmp_path).splitlines()
+    assert lines[5] == "| trees, answers | next finer mesh | 2 | 1 | 0.4 |", "a state without a finer flow is left out"
+
+
+def _write_finer(folder):
+    path = folder / "benchmarks" / "flow_finer_mesh" / "finer_mesh.csv"
+    path.parent.mkdir(parents=True)
+    columns = list(measured_tables.TABLES["flow_finer_mesh"][1])
+    values = [{"estimate": "0.0040", "difference": "-0.00100"}, {"estimate": "0.0020", "difference": "+0.00500"}]
+    rows = [*values, {"estimate": "0.0030", "finer_ffr": "no flow"}]
+    lines = [",".join(row.get(name, "") for name in columns) for row in rows]
+    path.write_text("\n".join([",".join(columns), *lines]) + "\n")
 
 
 def test_the_page_names_tables_that_there_are():

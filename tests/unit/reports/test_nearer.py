@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from reports.page.agreement import agreement_rows
+from reports.page.verdict.lines import too_few
 from reports.page.digits import lower_first, signed
 from reports.study.nearer import nearer_table, paired_test
 from reports.study.agreement import agreement_table
@@ -36,6 +37,13 @@ def test_the_p_of_pairs_that_all_point_one_way():
 def test_five_patients_are_too_few():
     found = paired_test(NEAR[:5], FAR[:5], 0.0)
     assert found["p"] is None and found["vci_is"] == "no difference shown" and found["patients_vci_nearer"] == 5
+
+
+def test_five_patients_without_a_tie_are_too_few():
+    """Ties say nothing, so nine patients of whom four are ties are no more than five."""
+    found = paired_test(NEAR, FAR, np.array([0.1] * 4 + [0.0] * 5))
+    assert found["ties"] == 4 and found["p"] is None and found["vci_is"] == "no difference shown"
+    assert too_few(found) == "5 patients without a tie are too few"
 
 
 def patient(case, vci, rc, ct=True, estimate=0.0):

@@ -170,5 +170,6 @@ def test_projection_counts_all_runs_of_a_shard(tmp_path):
         "patients": 1000,
         "core_hours": 50.0,
         "wall_hours": 12.5,
+        "peak_gb": 2.1,
         "kept_gb": 2.0,
     }

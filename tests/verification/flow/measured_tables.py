@@ -14,9 +14,10 @@ import sys
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1]), str(pathlib.Path(__file__).parent)]
 
 import reach_tables  # noqa: E402
-from page_tables import Page, markdown  # noqa: E402
+from page_tables import Page, markdown, read_columns  # noqa: E402
 
 from common.errors import InputError  # noqa: E402
+from flow.errors import error_estimate  # noqa: E402
 
 # benchmark: (the file of its results, {column of the file: heading on the page})
 TABLES = {
@@ -67,7 +68,21 @@ TABLES = {
             "case": "case",
             "error": "error",
             "estimate": "estimate",
+            "artificial": "eps",
             "cpu_s": "CPU s",
+        },
+    ),
+    "flow_finer_mesh": (
+        "finer_mesh.csv",
+        {
+            "state": "state",
+            "rings": "rings",
+            "eps": "eps",
+            "ffr": "FFR",
+            "estimate": "estimate",
+            "finer_rings": "finer: rings",
+            "finer_eps": "eps",
+            "difference": "FFR minus the answer's",
         },
     ),
     "flow_wall_shear": (
@@ -93,10 +108,12 @@ TABLES = {
     ),
 }
 STUDY, COVERAGE = "study", "coverage"
-STUDY_COLUMNS = ("case", "FFR before", "estimate", "eps", "CPU s", "estimate after", "CPU s after", "MiB")
+STUDY_COLUMNS = ("case", "FFR before", "estimate", "eps", "of it by eps", "grad-div, %", "CPU s")
+STUDY_COLUMNS += ("estimate after", "CPU s after", "MiB")
 COVERAGE_COLUMNS = ("estimates of", "against", "number", "not below the error", "least over the error")
 USED_KEYS = (
     "ffr",
+    "energy",
     "error_estimate",
     "artificial_viscosity",
     "cpu_seconds",
@@ -131,10 +148,10 @@ def study(results):
     rows = []
     for case, states in cases.items():
         before, after = states.pop(reach_tables.STATE_BEFORE, None), list(states.values())
-        row = [case, *[""] * 4]
+        row = [case, *[""] * 6]
         if before:
             row[1:] = f"{before['ffr']:.4f}", error_of(before), f"{before['artificial_viscosity']:.2g}"
-            row.append(f"{before['cpu_seconds']:.0f}")
+            row += effect_of_eps(before), grad_div_percent(before), f"{before['cpu_seconds']:.0f}"
         row.append(max((error_of(answer) for answer in after), default=""))
         row.append(f"{max(answer['cpu_seconds'] for answer in after):.0f}" if after else "")
         row.append(f"{max(answer['peak_memory_mib'] for answer in [before or after[0], *after]):.0f}")
@@ -145,6 +162,19 @@ def study(results):
 def error_of(answer):
     """The error estimate of an answer; `unknown` if it has none. As a text `unknown` sorts above all numbers."""
     return f"{answer['error_estimate']['ffr']:.4f}" if answer["error_estimate"] else "unknown"
+
+
+def effect_of_eps(answer):
+    """What the artificial viscosity adds to the estimate of FFR; empty without one, or without an estimate."""
+    effect = (answer["error_estimate"] or {}).get("artificial_viscosity")
+    return f"{error_estimate.SAFETY_FACTOR * abs(effect):.4f}" if effect is not None else ""
+
+
+def grad_div_percent(answer):
+    """Share of the grad-div term in the power that is lost between inlet and outlets, in percent."""
+    energy = answer["energy"]
+    lost = sum(energy[name] for name in ("friction_w", "grad_div_w", "artificial_w", "backflow_w"))
+    return f"{100 * energy['grad_div_w'] / lost:.1f}"
 
 
 def coverage(results):
@@ -166,6 +196,10 @@ def coverage(results):
             )
     for when, found in pairs.items():
         rows += coverage_row(f"trees {when} PCI, meshes passed over", "next finer mesh", found)
+    finer = results / "benchmarks" / "flow_finer_mesh" / "finer_mesh.csv"
+    if finer.is_file():
+        found = [(row["estimate"], row["difference"]) for row in read_columns(finer, TABLES["flow_finer_mesh"][1])]
+        rows += coverage_row("trees, answers", "next finer mesh", [pair for pair in found if all(pair)])
     return markdown(COVERAGE_COLUMNS, rows) if rows else None
 
 

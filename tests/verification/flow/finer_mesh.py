@@ -1,0 +1,87 @@
+"""Estimates of answers beside the next finer mesh: python3 tests/verification/flow/finer_mesh.py --out DIR STATE ...
+
+STATE is results/cases/<case>/flow/<state>, with the meshes and the answer of `flow solve`. The search for it goes
+on with a tolerance of 0, to the mesh after the one that answered. After the finest mesh of the study this is one with a
+ring more. Writes DIR/finer_mesh.csv, a row for each state: FFR and estimate of the answer, FFR on the finer mesh, and
+the difference. Rows of earlier runs stay unless they are run again.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import sys
+
+sys.path[:0] = [str(pathlib.Path(__file__).parent), str(pathlib.Path(__file__).resolve().parents[3])]
+
+import growth  # noqa: E402
+
+from common.errors import guarded  # noqa: E402
+
+MESHES = ("mesh_coarsest.msh", "mesh_coarse.msh", "mesh.msh")  # of the study, the coarsest first
+COLUMNS = ("state", "rings", "eps", "ffr", "estimate", "finer_rings", "finer_eps", "finer_ffr", "difference", "cpu_s")
+
+
+def read(path):
+    """Content of a JSON file."""
+    return json.loads(path.read_text())
+
+
+def finer_row(state, out):
+    """Row of the table. state: folder of the solved state; out: folder for the finer mesh and its flow."""
+    case, answer, report = state.parents[1], read(state / "ffr.json"), read(state / "mesh.json")
+    anatomy = case / "anatomy" if state.name == "pre" else case / state.name / "anatomy"
+    line, settings = anatomy / "centreline.vtp", ["--settings", case / "settings" / "flow.json"]
+    rings = {mesh: part["rings"] for mesh, part in zip(MESHES, [*report["coarse"], report])}
+    number = MESHES.index(answer["mesh"])
+    passed = [state / mesh for mesh in MESHES[: number + 1] if (state / mesh).stat().st_size]
+    name = f"{case.name}_{state.name}"
+    folder = out / name
+    folder.mkdir(parents=True, exist_ok=True)
+    if number + 1 < len(MESHES):
+        finer, finer_rings, finer_report = state / MESHES[number + 1], rings[MESHES[number + 1]], state / "mesh.json"
+    else:
+        finer, finer_rings, finer_report = folder / "finer.msh", rings[MESHES[-1]] + 1, folder / "finer.json"
+        made = ["--out", finer, "--json", finer_report, "--rings", finer_rings]
+        growth.command(folder, "mesh", anatomy / "lumen.vtp", "--centreline", line, *settings, *made)
+    inputs = ["--boundary", state.parent / "boundary.json", "--centreline", line, "--mesh-report", finer_report]
+    chosen = [*settings, "--ffr-tolerance", 0, "--start", state, line]
+    growth.command(folder, "solve", finer, "--coarse", *passed, *inputs, *chosen, "--out", ".")
+    found = read(folder / "ffr.json")
+    last = found["meshes"][-1]
+    row = {
+        "state": name.replace("_", " "),
+        "rings": rings[answer["mesh"]],
+        "eps": f"{answer['artificial_viscosity']:.2g}",
+        "ffr": f"{answer['ffr']:.5f}",
+        "estimate": f"{answer['error_estimate']['ffr']:.4f}" if answer["error_estimate"] else "unknown",
+        "finer_rings": finer_rings,
+        "cpu_s": f"{found['cpu_seconds']:.0f}",
+    }
+    if last["mesh"] != finer.name or last["status"] == "no flow":
+        return row | {"finer_ffr": "no flow"}
+    row |= {"finer_ffr": f"{last['ffr']:.5f}", "difference": f"{last['ffr'] - answer['ffr']:+.5f}"}
+    return row | ({"finer_eps": f"{found['artificial_viscosity']:.2g}"} if found["mesh"] == finer.name else {})
+
+
+@guarded
+def main():
+    """Solves all states on the next finer mesh and updates the table after each."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("states", nargs="+", type=pathlib.Path, metavar="STATE")
+    parser.add_argument("--out", required=True, type=pathlib.Path)
+    arguments = parser.parse_args()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    table, rows = arguments.out / "finer_mesh.csv", {}
+    if table.is_file():
+        with table.open(newline="") as file:
+            rows = {row["state"]: row for row in csv.DictReader(file)}
+    for state in arguments.states:
+        row = finer_row(state.resolve(), arguments.out.resolve())
+        print(row, flush=True)
+        rows[row["state"]] = row
+        growth.write(table, COLUMNS, [rows[key] for key in sorted(rows)])
+
+
+if __name__ == "__main__":
+    main()
