@@ -50,19 +50,20 @@ def _plaque_of_branch(field, number, points_mm):
     return branch.plaque_thickness(s, theta), np.abs(field.branch_value(number, points_mm)), kind
 
 
-def check_narrowest_radius(branches, spacing_mm, where):
-    """Raises InputError if a lumen is too narrow for the grid of spacing_mm.
+def check_narrowest_radius(field, spacing_mm, where):
+    """Raises InputError if the lumen of a LumenField is too narrow for the grid of spacing_mm.
 
     A narrower lumen might lie between the grid's points, with none inside. The surface would miss it.
     """
     least_radius_mm = 0.5 * 3**0.5 * spacing_mm  # half the diagonal of a cell
-    for branch in branches:
-        narrowest = int(np.argmin(branch.radius_mm))
-        if branch.radius_mm[narrowest] < least_radius_mm:
+    for branch in field.branches:
+        depth_mm = -field.value(branch.axis.points_mm)
+        narrowest = int(np.argmin(depth_mm))
+        if depth_mm[narrowest] < least_radius_mm:
             raise InputError(
                 "throat too narrow for the surface's grid",
                 f"{where}.lesions",
-                f"radius {branch.radius_mm[narrowest]:.3f} mm at {branch.axis.s_mm[narrowest]:.1f} mm of {branch.name}",
+                f"radius {depth_mm[narrowest]:.3f} mm at {branch.axis.s_mm[narrowest]:.1f} mm of {branch.name}",
                 f"at least {least_radius_mm:.3f} mm: a milder lesion",
             )
 
@@ -76,8 +77,8 @@ def run(case_path, out, spacing_mm=GRID_SPACING_MM):
     case = patient.load(case_path)
     print("growing the tree", file=sys.stderr)
     branches = tree.grow(case["vessel"], f"{case_path}: vessel")
-    check_narrowest_radius(branches, spacing_mm, f"{case_path}: vessel")
     field = LumenField(branches)
+    check_narrowest_radius(field, spacing_mm, f"{case_path}: vessel")
     print("meshing the lumen", file=sys.stderr)
     points, triangles, on_cap = surface.build(field, spacing_mm)
     rms = float(np.sqrt(np.mean(field.value(points[~on_cap]) ** 2)))

@@ -265,7 +265,10 @@ def _count_sections_within_parent(axis, s_mm, parent):
 
 
 def _centred_axis(tube, parent):
-    """The Curve of a Tube's axis after moving it to the centroids of its sections, by at most 0.5 mm, and smoothing."""
+    """The Curve of a Tube's axis after moving it to the centroids of its sections, by at most 0.5 mm, and smoothing.
+
+    parent: the Tube that it leaves, or None. The start is moved onto the parent's axis.
+    """
     theta = np.linspace(0, 2 * np.pi, tube.radii_mm.shape[1], endpoint=False)
     third, second = tube.radii_mm**3, tube.radii_mm**2
     u = (third * np.cos(theta)).sum(axis=1) / (1.5 * second.sum(axis=1))
@@ -278,6 +281,9 @@ def _centred_axis(tube, parent):
         shift[:inside] *= np.linspace(0, 1, inside + 1)[:-1, None]
     _, normal, binormal = tube.axis.frame(tube.s_mm)
     points = tube.axis.point(tube.s_mm) + shift[:, :1] * normal + shift[:, 1:] * binormal
+    if parent is not None:
+        to_parent = parent.axis.point(parent.axis.nearest(points[:1])) - points[:1]
+        points[:inside] += np.linspace(1, 0, inside + 1)[:-1, None] * to_parent
     return paths.smooth_curve(points, 0.04)
 
 

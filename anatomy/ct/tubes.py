@@ -87,6 +87,10 @@ class LevelField(LumenField):
         self._section_tree = cKDTree(np.concatenate([b.axis.point(b.s_mm) for b in branches])) if levels else None
         self._levels = np.concatenate(levels) if levels else None
 
+    def axis_radius(self, number, s_mm):
+        """Radius (n,) in mm of a tube, by its number, at arc lengths s_mm (n,). The image decides, also near a root."""
+        return self.branches[number].radius(s_mm)
+
     def value(self, points_mm, iterations=4):
         """Field (n,) in mm, limited to the grid's band, since a level set far from the wall is meaningless."""
         level = self._levels[self._section_tree.query(points_mm)[1]] if self._section_tree else self._level

@@ -29,7 +29,9 @@ class LumenField:
 
     def __init__(self, branches):
         self.branches = branches
-        self._roots = [root_of(branch, branches[:number]) for number, branch in enumerate(branches)]
+        self._roots = []
+        for branch in branches:
+            self._roots.append(root_of(branch, list(zip(branches, self._roots))))
 
     def radius(self, branch, s_mm, offset_mm):
         """Radius (n,) in mm of one branch at arc lengths s_mm (n,), in the directions of offset_mm (n, 3)."""

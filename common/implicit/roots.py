@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 BLEND_MM = 0.5  # two branches are blended where their fields differ by less than this, or by less in a narrow parent
+STEEPEST_WIDENING = 1.5  # largest slope of a branch's radius at its root
+LEAST_WIDENING = 0.2  # this slope is allowed at any angle
 STEEPEST_SMOOTH_STEP = 1.875  # largest derivative of smooth_step, at x = 0.5
 
 
@@ -27,7 +29,9 @@ class Root:
     widening_mm: length along its axis over which the branch becomes as wide as it is.
 
     If the round end were about as wide as the parent's lumen, it and the blend would bulge out of the opposite wall.
-    So the start is narrower than the parent by the width of the blend, and the branch widens with a slope of at most 1.
+    So the start is narrower than the parent by the width of the blend. From there the branch widens with a slope of at
+    most STEEPEST_WIDENING, and of at most the tangent of its angle to the parent. With a larger slope the edge of a
+    section would come nearer to the opposite wall, though its centre moves away.
     """
 
     blend_mm: float = BLEND_MM
@@ -44,20 +48,35 @@ class Root:
 
 
 def root_of(branch, earlier):
-    """The Root of a branch among the branches `earlier`, the main vessel first. The main vessel has a plain one.
+    """The Root of a branch among `earlier` = [(branch, its Root)], the main vessel first.
 
     A branch that starts outside all others is not narrowed: it would not join them otherwise.
     """
-    depth = max((_depth(branch.axis.point(0.0), parent) for parent in earlier), default=0.0)
-    if depth <= 0:
+    start, outward = branch.axis.point(0.0), branch.axis.frame(0.0)[0]
+    room, tangent = max((_room_behind(start, outward, parent, root) for parent, root in earlier), default=(0.0, 0.0))
+    if room <= 0:
         return Root()
     own = float(branch.radius(0.0))
-    blend = min(BLEND_MM, 0.5 * depth)
-    missing = max(own - (depth - blend), 0.0)
-    return Root(blend, missing / own, STEEPEST_SMOOTH_STEP * missing) if missing else Root(blend)
+    blend = min(BLEND_MM, 0.5 * room)
+    missing = max(own - (room - blend), 0.0)
+    length = STEEPEST_SMOOTH_STEP / min(STEEPEST_WIDENING, max(tangent, LEAST_WIDENING)) * missing
+    return Root(blend, missing / own, length) if missing else Root(blend)
 
 
-def _depth(point_mm, parent):
-    """Distance (mm) from a point to the nearest wall of `parent`, negative outside its lumen."""
+def _room_behind(point_mm, outward, parent, root):
+    """(distance (mm) from a point in a parent's lumen to the wall behind it, tangent of the angle of its branch).
+
+    The branch starts at the point in the direction outward, a unit vector (3,). The distance is 0 outside the lumen. A
+    parent's section is taken as a circle.
+    """
     s = parent.axis.nearest(point_mm[None])
-    return float(parent.least_radius(s)[0] - np.linalg.norm(point_mm - parent.axis.point(s)[0]))
+    if parent.parent:
+        s = np.maximum(s, 0.0)
+    offset, tangent = point_mm - parent.axis.point(s)[0], parent.axis.frame(s)[0][0]
+    radius = float((parent.least_radius(s) * root.share(s))[0])
+    across = outward - (outward @ tangent) * tangent
+    sine, cosine = float(np.linalg.norm(across)), abs(float(outward @ tangent))
+    if np.linalg.norm(offset) >= radius:
+        return 0.0, 0.0
+    along = offset @ across / max(sine, 1e-12)
+    return float(along + np.sqrt(radius**2 - offset @ offset + along**2)), sine / max(cosine, 1e-12)

@@ -119,7 +119,7 @@ class BorderedSystem:
         return self._refine(f, g)[:2]
 
     def _refine(self, f, g):
-        """(x, y, residual): the best repetition. They end where the residual is small enough or hardly falls.
+        """(x, y, residual): the best repetition. At most MOST_REFINEMENTS follow the first, rough solution.
 
         Each repetition adds the step that lowers the residual most, among the steps so far and the new rough one (the
         generalised conjugate residual method; Eisenstat et al., SIAM J. Numer. Anal. 20, 1983). Where rough steps are
@@ -131,9 +131,7 @@ class BorderedSystem:
             step = self._solve_roughly(*residual)
             change = self._times(*step)
             if weight is None:  # makes the two kinds of rows alike in size
-                sizes = _largest(f) + _largest(self.columns @ step[1]), _largest(g) + _largest(self.rows @ step[0])
-                sizes = [np.where(size > 0, size, 1) for size in sizes]
-                weight = [1 / size**2 for size in sizes]
+                weight = [1 / size**2 for size in self._sizes(f, g, *step)]
             for earlier, earlier_change in steps:
                 share = _product(earlier_change, change, weight)
                 step, change = _minus(step, share, earlier), _minus(change, share, earlier_change)
@@ -144,12 +142,17 @@ class BorderedSystem:
             share = -_product(change, residual, weight)
             x, y = _minus((x, y), share, step)
             residual = [given - product for given, product in zip((f, g), self._times(x, y))]
-            left = max((_largest(part) / size).max() for part, size in zip(residual, sizes))
+            left = max((_largest(part) / size).max() for part, size in zip(residual, self._sizes(f, g, x, y)))
             if left < best[2]:
                 best = x, y, left
             if left <= REFINED_RESIDUAL:
                 break
         return best
+
+    def _sizes(self, f, g, x, y):
+        """Largest terms (k,) of both kinds of rows, by which their residuals are judged; 1 where all terms are 0."""
+        sizes = _largest(f) + _largest(self.columns @ y), _largest(g) + _largest(self.rows @ x)
+        return [np.where(size > 0, size, 1) for size in sizes]
 
     def _times(self, x, y):
         """The system's matrix times (x, y)."""

@@ -156,20 +156,3 @@ def stenting_figures(outcome):
     gains = [circle_diameter(section["area_mm2"]) - 2 * section["radius_before_mm"] for section in slices]
     values["truth"]["gain_mm"] = float(np.mean(gains))
     return values
-
-
-def inflated_expansion(outcome, healthy_diameter_mm):
-    """{model: area in percent of the healthy area} for the models engine and truth.
-
-    The area is the smallest along the cylindrical part of the predilatation's balloon, while this balloon is inflated.
-    """
-    name, use = device_uses(outcome.plan, "predilatation")[0]
-    half = 0.5 * outcome.plan["devices"][use["device"]]["length_mm"]
-    along, inflated = ring_diameters(outcome.folder / "engine/devices" / f"{name}_balloon.vtp")
-    radii = [
-        next(h for h in section["history"] if h["step"] == name)["inflated_radius_mm"]
-        for section in outcome.truth["slices"]
-        if abs(section["s_mm"] - use["centre_s_mm"]) < half
-    ]
-    diameters_mm = {"engine": float(inflated[np.abs(along) < half].min()), "truth": 2 * min(radii)}
-    return {key: 100 * (diameter / healthy_diameter_mm) ** 2 for key, diameter in diameters_mm.items()}

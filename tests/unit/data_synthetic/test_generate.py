@@ -167,7 +167,7 @@ def test_plaque_volume_is_that_of_the_asked_lesion_and_of_the_surface(vessel, ec
 def test_a_throat_between_the_grid_points_is_refused(vessel):
     def grown(stenosis):
         lesion = {"branch": "side1", "centre_s_mm": 4.5, "length_mm": 4, "diameter_stenosis_percent": stenosis}
-        return tree.grow(vessel(lesions=[lesion]))
+        return field.LumenField(tree.grow(vessel(lesions=[lesion])))
 
     generate.check_narrowest_radius(grown(75), 0.2, "case")
     with pytest.raises(InputError, match="side1") as caught:

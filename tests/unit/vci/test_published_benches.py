@@ -144,7 +144,6 @@ def rows_without_engine(monkeypatch, tmp_path):
     monkeypatch.setattr(published, "run_program", lambda command: None)
     monkeypatch.setattr(bench_cases, "run_engine_and_truth", lambda *arguments: outcome)
     monkeypatch.setattr(bench_cases, "stenting_figures", lambda outcome: {"engine": figures, "truth": figures})
-    monkeypatch.setattr(bench_cases, "inflated_expansion", lambda outcome, healthy: {"engine": 80.0, "truth": 80.0})
     (tmp_path / "drawn").mkdir()
     for k in range(2):
         (tmp_path / "drawn" / f"patient{k}.yaml").touch()

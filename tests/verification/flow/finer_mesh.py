@@ -32,18 +32,23 @@ def finer_row(state, out):
     case, answer, report = state.parents[1], read(state / "ffr.json"), read(state / "mesh.json")
     anatomy = case / "anatomy" if state.name == "pre" else case / state.name / "anatomy"
     line, settings = anatomy / "centreline.vtp", ["--settings", case / "settings" / "flow.json"]
-    rings = {mesh: part["rings"] for mesh, part in zip(MESHES, [*report["coarse"], report])}
-    number = MESHES.index(answer["mesh"])
-    passed = [state / mesh for mesh in MESHES[: number + 1] if (state / mesh).stat().st_size]
+    made = [mesh for mesh in MESHES if (state / mesh).stat().st_size]  # `flow mesh` may leave out coarser ones
+    rings = {mesh: part["rings"] for mesh, part in zip(made, [*report.get("coarse", []), report])}
+    number = made.index(answer["mesh"])
+    passed = [state / mesh for mesh in made[: number + 1]]
     name = f"{case.name}_{state.name}"
     folder = out / name
     folder.mkdir(parents=True, exist_ok=True)
-    if number + 1 < len(MESHES):
-        finer, finer_rings, finer_report = state / MESHES[number + 1], rings[MESHES[number + 1]], state / "mesh.json"
+    if number + 1 < len(made):
+        finer, finer_rings, finer_report = state / made[number + 1], rings[made[number + 1]], state / "mesh.json"
     else:
-        finer, finer_rings, finer_report = folder / "finer.msh", rings[MESHES[-1]] + 1, folder / "finer.json"
-        made = ["--out", finer, "--json", finer_report, "--rings", finer_rings]
-        growth.command(folder, "mesh", anatomy / "lumen.vtp", "--centreline", line, *settings, *made)
+        finer, finer_rings, finer_report = folder / "finer.msh", rings[made[-1]] + 1, folder / "finer.json"
+        sizes, ratio = ["--rings", finer_rings], finer_rings / rings[made[-1]]
+        sizes += ["--cells-per-radius", ratio * report["settings"]["cells_per_radius"]]
+        for name in ("throat", "plain"):
+            sizes += [f"--stations-{name}", report["settings"][f"stations_{name}"] / ratio]
+        written = ["--out", finer, "--json", finer_report]
+        growth.command(folder, "mesh", anatomy / "lumen.vtp", "--centreline", line, *settings, *sizes, *written)
     inputs = ["--boundary", state.parent / "boundary.json", "--centreline", line, "--mesh-report", finer_report]
     chosen = [*settings, "--ffr-tolerance", 0, "--start", state, line]
     growth.command(folder, "solve", finer, "--coarse", *passed, *inputs, *chosen, "--out", ".")

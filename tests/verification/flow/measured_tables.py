@@ -199,7 +199,9 @@ def coverage(results):
     finer = results / "benchmarks" / "flow_finer_mesh" / "finer_mesh.csv"
     if finer.is_file():
         found = [(row["estimate"], row["difference"]) for row in read_columns(finer, TABLES["flow_finer_mesh"][1])]
-        rows += coverage_row("trees, answers", "next finer mesh", [pair for pair in found if all(pair)])
+        rows += coverage_row(
+            "trees, answers", "next finer mesh", [pair for pair in found if all(pair) and pair[0] != "unknown"]
+        )
     return markdown(COVERAGE_COLUMNS, rows) if rows else None
 
 

