@@ -68,6 +68,11 @@ TITLES = {
         "Velocity on the axis in m/s, z mm behind the sudden expansion at a Reynolds number of 500, by five "
         "laboratories and by an axisymmetric solution of the equations.",
     ),
+    "flow_finer_mesh": (
+        "Blood flow: answers on the next finer mesh",
+        "A row is a state of the study; difference: FFR on the next finer mesh minus that of the answer. The estimate "
+        "should be no smaller.",
+    ),
     "flow_growth": (
         "Blood flow: cost by mesh",
         "A row is a mesh of the same narrowed tube; errors of FFR are against an axisymmetric solution. Exponents: of "
