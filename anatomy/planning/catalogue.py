@@ -11,6 +11,7 @@ _STENT_KEYS = (
     "crimped_diameter_mm",
     "strut_thickness_mm",
     "hoop_stiffness_n_per_mm",
+    "axial_stiffness_n_per_mm",
     "bending_stiffness_n_mm2",
     "radial_strength_mpa",
     "recoil_percent",

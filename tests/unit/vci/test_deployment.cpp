@@ -54,7 +54,7 @@ Scene scene_with(std::vector<Step> procedure) {
   scene.numerics.device_edge = 0.6;
   scene.balloons["pre"] = {2.75, 8, 1.2, 0.8, 14, {2, 6, 10, 14}, {2.53, 2.69, 2.81, 2.92}};
   scene.balloons["delivery"] = {3.25, 10, 1.0, 0.8, 16, {3, 7, 11, 16}, {2.96, 3.14, 3.25, 3.4}};
-  scene.stents["stent"] = {3.25, 10, 1.0, 4.4, 0.08, 8, 2, "delivery", 12, 20, 0.22, 4.5};
+  scene.stents["stent"] = {3.25, 10, 1.0, 4.4, 0.08, 8, 2, "delivery", 12, 0.5, 20, 0.22, 4.5};
   scene.procedure = std::move(procedure);
   return scene;
 }

@@ -27,7 +27,7 @@ TEST(Inflation, FollowsTheChartWithinHalfAPercent) {
 }
 
 TEST(Crush, StentOfStatedStrengthYieldsThereAfterASmallRecoil) {
-  const StentSpec stent{3.0, 8, 1.0, 4.4, 0.08, 8, 2, "b", {}, 20, 0.22, 4.5};
+  const StentSpec stent{3.0, 8, 1.0, 4.4, 0.08, 8, 2, "b", {}, 0.5, 20, 0.22, 4.5};
   const BalloonSpec delivery{3.0, 8.0, 1.0, 0.8, 16.0, {3, 7, 11, 16}, {2.73, 2.9, 3.0, 3.14}};
   for (double edge : {0.6, 0.45}) {
     Numerics numerics;
@@ -45,7 +45,7 @@ TEST(Crush, StentOfStatedStrengthYieldsThereAfterASmallRecoil) {
 }
 
 TEST(Struts, AreClosedTubesOfTheirThicknessAboutTheirAxes) {
-  const StentSpec stent{3.0, 12, 1.0, 4.4, 0.08, 8, 2, "b", 10, 20, 0.22, 4.5};
+  const StentSpec stent{3.0, 12, 1.0, 4.4, 0.08, 8, 2, "b", 10, 0.5, 20, 0.22, 4.5};
   const RingGrid grid = stent_grid(stent, 0.45);
   const Struts struts = strut_pattern(stent, grid, straight_grid(grid, 1.5));
   double length = 0;
@@ -69,7 +69,7 @@ TEST(Struts, AreClosedTubesOfTheirThicknessAboutTheirAxes) {
 }
 
 TEST(DeliveryBalloon, IsSofterThanItsChartByTheStent) {
-  const StentSpec stent{3.0, 12, 1.0, 4.4, 0.08, 8, 2, "b", {}, 20, 0.22, 4.5};
+  const StentSpec stent{3.0, 12, 1.0, 4.4, 0.08, 8, 2, "b", {}, 0.5, 20, 0.22, 4.5};
   EXPECT_NEAR(opening_pressure_mpa(stent, 3.0), 0.22, 1e-12) << "the radial strength at the nominal diameter";
   EXPECT_NEAR(opening_pressure_mpa(stent, 1.0), 0.44 * 3 * 0.22, 1e-12) << "Laplace: less tension, smaller radius";
   const std::vector<double> alone = pressures_without_stent(stent, {2, 11, 16}, {2.9, 3.0, 3.14});

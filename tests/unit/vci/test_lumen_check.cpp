@@ -19,7 +19,7 @@ Scene scene_with(double stent_centre, double length = 8) {
   scene.lumen = "lumen.vtp";
   scene.centreline = "centreline.vtp";
   scene.balloons["balloon"] = {3, length, 1, 0.8, 14, {2, 14}, {2.5, 2.9}};
-  scene.stents["stent"] = {3, length, 1.0, 4.4, 0.08, 8, 2, "balloon", 12, 20, 0.22, 4.5};
+  scene.stents["stent"] = {3, length, 1.0, 4.4, 0.08, 8, 2, "balloon", 12, 0.5, 20, 0.22, 4.5};
   scene.procedure = {{"one", Action::stent, {{"stent", "main", stent_centre, 11}}}};
   return scene;
 }

@@ -25,7 +25,7 @@ struct FreeSystem {
   Interactions touching;
   int balloon = 0, balloon_ring_size = 0;
   explicit FreeSystem(bool closed = true) {
-    const StentSpec stent{3.0, 8, 1.0, 4.4, 0.08, 8, 2, "b", 11, 20, 0.22, 4.5};
+    const StentSpec stent{3.0, 8, 1.0, 4.4, 0.08, 8, 2, "b", 11, 0.5, 20, 0.22, 4.5};
     const BalloonSpec spec{3.0, 8.0, 1.0, 0.8, 16.0, {3, 7, 11, 16}, {2.73, 2.9, 3.0, 3.14}};
     Numerics numerics;
     RingGrid wall{20, {}, {}, {}}, rings = stent_grid(stent, 0.6), bag = balloon_grid(spec, 0.6);

@@ -54,7 +54,7 @@ std::map<std::string, Path> polyline() {
 Scene stent_of_three_millimetres() {
   Scene scene;
   scene.balloons["delivery"] = {3.0, 5, 1.0, 0.8, 16, {3, 11, 16}, {2.8, 3.0, 3.2}};
-  scene.stents["stent"] = {3.0, 5, 1.0, 4.4, 0.08, 8, 2, "delivery", 12, 20, 0.22, 4.5};
+  scene.stents["stent"] = {3.0, 5, 1.0, 4.4, 0.08, 8, 2, "delivery", 12, 0.5, 20, 0.22, 4.5};
   scene.procedure = {{"stent", Action::stent, {{"stent", "main", middle, 11}}}};
   return scene;
 }

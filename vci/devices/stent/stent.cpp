@@ -54,7 +54,8 @@ double hinge_stiffness(const StentSpec& spec) {
   return std::max(buckling_rigidity, hinge_coefficient * std::pow(spec.strut_thickness / hinge_strut_thickness, 3));
 }
 
-/// Stiffness (N/mm) of the axial fibres, which gives the stent its bending stiffness.
+/// Stiffness (N/mm) of the axial fibres. It gives the stent its bending stiffness, and is at least the stated axial
+/// stiffness, which couples the rings.
 ///
 /// A tube of radius R whose wall has the axial stiffness k bends with pi R^3 k. A part of k is the film's. A hinge at
 /// an edge round the stent turns by the curvature times the spacing of the rings times the cosine of its angle round
@@ -63,7 +64,7 @@ double fibre_stiffness(const StentSpec& spec, const RingGrid& grid) {
   const double radius = 0.5 * spec.nominal_diameter, spacing = spec.length / (grid.rings() - 1);
   const double of_hinges = 0.5 * grid.ring_size * hinge_stiffness(spec) * spacing;
   const double of_wall = (spec.bending_stiffness - of_hinges) / (pi * radius * radius * radius);
-  return std::max(0.0, of_wall - stent_film.stiffness);
+  return std::max(spec.axial_stiffness, of_wall - stent_film.stiffness);
 }
 
 } // namespace

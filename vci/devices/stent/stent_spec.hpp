@@ -10,7 +10,8 @@ struct StentSpec {
   int crowns, links;   ///< number of crowns in a row of struts, and of links between two rows
   std::string balloon; ///< name of the balloon that delivers the stent
   std::optional<double> stated_hoop_stiffness = std::nullopt; ///< N/mm; none: it follows from the radial strength
-  double bending_stiffness = 20;                              ///< of the expanded stent, N mm^2
+  double axial_stiffness = 0.5;      ///< least axial force per strain and length of circumference, N/mm
+  double bending_stiffness = 20;     ///< N mm^2
   double radial_strength_mpa = 0.22; ///< stated by the maker; gives the hoop stiffness if none is stated
   double recoil_percent = 4.5;       ///< free recoil in air stated by the maker, of the inflated diameter
 

@@ -127,6 +127,7 @@ StentSpec read_stent(const json& entry, const std::string& where) {
     o.ignore("hoop_stiffness_n_per_mm");
   else if (o.has("hoop_stiffness_n_per_mm"))
     s.stated_hoop_stiffness = o.number("hoop_stiffness_n_per_mm", 0.1, 1e3);
+  s.axial_stiffness = o.number("axial_stiffness_n_per_mm", 1e-3, 1e3, s.axial_stiffness);
   s.bending_stiffness = o.number("bending_stiffness_n_mm2", 1e-3, 1e4, s.bending_stiffness);
   s.recoil_percent = o.number("recoil_percent", 0.1, 20, s.recoil_percent);
   o.refuse_unknown_keys();
