@@ -39,8 +39,11 @@ def finer_row(state, out):
     name = f"{case.name}_{state.name}"
     folder = out / name
     folder.mkdir(parents=True, exist_ok=True)
+    parts = [*report.get("coarse", []), report]
     if number + 1 < len(made):
-        finer, finer_rings, finer_report = state / made[number + 1], rings[made[number + 1]], state / "mesh.json"
+        finer, finer_rings, finer_report = state / made[number + 1], rings[made[number + 1]], folder / "finer.json"
+        # `flow solve` takes the report whose cells are those of its meshes
+        finer_report.write_text(json.dumps({**report, **parts[number + 1], "coarse": parts[: number + 1]}))
     else:
         finer, finer_rings, finer_report = folder / "finer.msh", rings[made[-1]] + 1, folder / "finer.json"
         sizes, ratio = ["--rings", finer_rings], finer_rings / rings[made[-1]]
@@ -49,6 +52,7 @@ def finer_row(state, out):
             sizes += [f"--stations-{name}", report["settings"][f"stations_{name}"] / ratio]
         written = ["--out", finer, "--json", finer_report]
         growth.command(folder, "mesh", anatomy / "lumen.vtp", "--centreline", line, *settings, *sizes, *written)
+        finer_report.write_text(json.dumps({**read(finer_report), "coarse": parts}))
     inputs = ["--boundary", state.parent / "boundary.json", "--centreline", line, "--mesh-report", finer_report]
     chosen = [*settings, "--ffr-tolerance", 0, "--start", state, line]
     growth.command(folder, "solve", finer, "--coarse", *passed, *inputs, *chosen, "--out", ".")
