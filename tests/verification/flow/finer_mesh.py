@@ -48,8 +48,8 @@ def finer_row(state, out):
         finer, finer_rings, finer_report = folder / "finer.msh", rings[made[-1]] + 1, folder / "finer.json"
         sizes, ratio = ["--rings", finer_rings], finer_rings / rings[made[-1]]
         sizes += ["--cells-per-radius", ratio * report["settings"]["cells_per_radius"]]
-        for name in ("throat", "plain"):
-            sizes += [f"--stations-{name}", report["settings"][f"stations_{name}"] / ratio]
+        for kind in ("throat", "plain"):
+            sizes += [f"--stations-{kind}", report["settings"][f"stations_{kind}"] / ratio]
         written = ["--out", finer, "--json", finer_report]
         growth.command(folder, "mesh", anatomy / "lumen.vtp", "--centreline", line, *settings, *sizes, *written)
         finer_report.write_text(json.dumps({**read(finer_report), "coarse": parts}))
