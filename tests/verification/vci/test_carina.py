@@ -74,10 +74,14 @@ def test_the_carina_does_not_fold(deployment):
 
 
 def test_the_stent_opens_as_far_as_without_a_side_branch(deployment, deploy):
-    """The side branch first runs through plaque. With healthy wall there, the stent opens to half of this area."""
+    """The side branch first runs through plaque. With healthy wall there, the stent opens to half of this area.
+
+    The branch's mouth in the eccentric plaque costs 7 % of the area. Before its round end took plaque from the wall
+    opposite, too, and it cost less than 5 %.
+    """
     assert CASE.count(SIDE_BRANCHES) == 1
     alone = deploy(CASE.replace(SIDE_BRANCHES, ""))
-    assert deployment["minimal_stent_area_mm2"] == pytest.approx(alone["minimal_stent_area_mm2"], rel=0.05)
+    assert deployment["minimal_stent_area_mm2"] == pytest.approx(alone["minimal_stent_area_mm2"], rel=0.1)
 
 
 def test_struts_across_the_mouth_are_not_malapposed(deployment):
