@@ -1,6 +1,5 @@
 """tests/verification/study_tables.py: the tables of docs/nine-patients.md, from small files of results/study."""
 
-import json
 import pathlib
 import sys
 
@@ -53,34 +52,6 @@ def test_straightening_is_the_share_of_the_curvature_before(results):
     lines = study_tables.straightening(results).splitlines()
     assert lines[2].endswith("| 50 | -21 | -32 |") and lines[3].endswith("|  | 12.500 | -11 |  | -32 |")
     assert lines[4] == "| all |  |  |  |  | 20 ± 43 |  | -32 ± 0 |"
-
-
-def test_diameters_along_the_stents_by_truth_and_engine(results):
-    """A dense pair of slices at the end counts as the length that it stands for. Slices outside stents do not count."""
-    case = results / "cases" / "a"
-    steps = [(0.0, 2.0), (4.0, 2.0), (8.0, 2.0), (8.01, 1.0), (20.0, 9.0)]
-    slices = [
-        {
-            "s_mm": s,
-            "stented": s < 9,
-            "history": [
-                {"inflated_radius_mm": radius, "radius_mm": 0.0},
-                {"inflated_radius_mm": 0.5, "radius_mm": 1.8},
-            ],
-        }
-        for s, radius in steps
-    ]
-    stents = [
-        {"inflated_diameter_mm": 4.1, "final_diameter_mm": 3.9},
-        {"inflated_diameter_mm": 3.9, "final_diameter_mm": 3.7},
-    ]
-    for folder, name, content in (
-        ("reference", "reference", {"slices": slices}),
-        ("vci", "deployment", {"stents": stents}),
-    ):
-        (case / folder).mkdir(parents=True)
-        (case / folder / f"{name}.json").write_text(json.dumps(content))
-    assert study_tables.inflation(results).splitlines()[2] == "| a | 4.00 | 4.00 | 3.60 | 3.80 | 10.0 | 5.0 |"
 
 
 def _write_sensitivity(results, case, name, text):

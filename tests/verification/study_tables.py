@@ -147,31 +147,6 @@ def agreement(results, name="agreement"):
     return markdown(["quantity", "error", "n", "bias", "SD", "limits of agreement", "published"], table)
 
 
-def inflation(results):
-    """Markdown with a row a patient: mean diameters along the stents, widest and final, by truth and engine."""
-    table = []
-    for path in sorted(results.glob("cases/*/reference/reference.json")):
-        case, reference = path.parts[-3], json.loads(path.read_text())
-        stents = json.loads((path.parents[1] / "vci" / "deployment.json").read_text())["stents"]
-        slices = sorted((one for one in reference["slices"] if one["stented"]), key=lambda one: one["s_mm"])
-        if not stents or len(slices) < 2:
-            continue
-        # slices are denser at a stent's ends: each counts by the length that it stands for
-        length_mm = np.abs(np.gradient([one["s_mm"] for one in slices])) + 1e-9
-        widest = [2 * max(step["inflated_radius_mm"] for step in one["history"]) for one in slices]
-        final = [2 * one["history"][-1]["radius_mm"] for one in slices]
-        pairs = [[np.average(values, weights=length_mm) for values in (widest, final)]]
-        pairs += [[np.mean([one[f"{when}_diameter_mm"] for one in stents]) for when in ("inflated", "final")]]
-        line = [case] + [f"{pair[k]:.2f}" for k in range(2) for pair in pairs]
-        table.append([*line, *(f"{100 * (1 - last / first):.1f}" for first, last in pairs)])
-    if not table:
-        return None
-    headings = [
-        f"{what}, {model}" for what in ("widest, mm", "final, mm", "recoil, %") for model in ("reference", "vci")
-    ]
-    return markdown(["patient", *headings], table)
-
-
 def nearer(results):
     """Markdown: whether VCI or radius correction is nearer to the truth."""
     rows = read_rows(results, "nearer")
@@ -325,7 +300,6 @@ def cost(results):
 TABLE_FUNCTIONS = {"patients": patients, "spread": spread, "agreement": agreement, "nearer": nearer, "seconds": seconds}
 TABLE_FUNCTIONS |= {"half_maximum": half_maximum, "cost": cost, "plans": plans, "straightening": straightening}
 TABLE_FUNCTIONS |= {
-    "inflation": inflation,
     "intervals": intervals,
     "flow_inputs": flow_inputs,
     "deployment_inputs": deployment_inputs,

@@ -19,8 +19,8 @@ def bent_tube(parent, points, radius_mm):
     return tubes.Tube(parent, axis, s, THETA, along[:, None] * (1 + 0.15 * np.cos(2 * THETA - 0.2 * s[:, None])))
 
 
-def tubes_of(radius_mm, off_axis_mm=0.0):
-    """A main tube of this radius, and a side tube of radius 0.9 mm that starts so far off the main tube's axis."""
+def tubes_of(radius_mm, off_axis_mm=0.0, side_mm=0.9):
+    """A main tube of this radius, and a side tube of radius side_mm that starts so far off the main tube's axis."""
     x = np.linspace(0, 20, 201)
     main = bent_tube(None, np.stack([x, 0.02 * (x - 10) ** 2, 0 * x], axis=1), radius_mm)
     out = np.linspace(0, 9, 91)
@@ -28,7 +28,7 @@ def tubes_of(radius_mm, off_axis_mm=0.0):
     tangent = main.axis.frame(9.0)[0]
     across = outward - (outward @ tangent) * tangent
     start = main.axis.point(9.0) + off_axis_mm * across / np.linalg.norm(across)
-    return [main, bent_tube("main", start + out[:, None] * outward, 0.9)]
+    return [main, bent_tube("main", start + out[:, None] * outward, side_mm)]
 
 
 @pytest.fixture(scope="module", params=[1.6, 0.5])
@@ -78,15 +78,15 @@ def test_a_side_tube_that_starts_off_its_parents_axis_is_joined_to_it(off_axis_m
 
 def test_a_level_of_the_image_is_searched_also_where_a_branch_begins_narrower():
     """The image shows a branch of full width inside a narrow parent. No root narrows the band that is searched."""
-    main, side = tubes_of(0.5)
+    main, side = tubes_of(0.5, side_mm=1.6)
 
     def hu_at(points):
         offset = [np.linalg.norm(points - b.axis.point(b.axis.nearest(points)), axis=1) for b in (main, side)]
-        return 100 * np.maximum(0.5 - offset[0], 0.9 - offset[1])
+        return 100 * np.maximum(0.5 - offset[0], 1.6 - offset[1])
 
     low, values = field.sample_grid(tubes.LevelField([main, side], hu_at, 0.0, 100.0), 0.2)
     points = low + 0.2 * np.argwhere(np.ones(values.shape, bool))
-    near = np.linalg.norm(points - side.axis.point(0.6), axis=1) < 1.0
+    near = np.linalg.norm(points - side.axis.point(0.3), axis=1) < 1.5
     assert np.all((values.ravel()[near] < 0) == (hu_at(points[near]) > 0))
 
 
