@@ -7,6 +7,8 @@ import pytest
 import surfaces
 from vtk.util.numpy_support import vtk_to_numpy
 
+from common.implicit.roots import BLEND_MM
+
 
 def column(rows, name, flag="ok"):
     return np.array([float(row[name]) for row in rows if row["flag"] == flag])
@@ -236,18 +238,22 @@ def test_an_oval_vessel_at_its_mouths(process, tmp_path, axis):
 
 
 def test_rounded_mouths_of_side_branches(process, run_module, tmp_path):
-    """Their wall flares towards the parent. The flare must not widen the ellipse that closes the section."""
+    """Their wall flares towards the parent. The flare must hardly widen the ellipse that closes the section.
+
+    The smooth union of two branches flares by up to a quarter of the blend's width, 0.125 mm.
+    """
     generated = run_module("data_synthetic", "generate", "config/cases/lad01.yaml", "--out", tmp_path)
     assert generated.returncode == 0, generated.stderr
     _, rows = process(tmp_path / "lumen.vtp", tmp_path / "out", "--units", "mm")
-    ratios = []
+    widening_mm = []
     for branch in json.loads((tmp_path / "truth.json").read_text())["branches"][1:]:
         mouth = [row for row in rows if row["branch"] == branch["name"] and row["flag"] == "ostium"]
         centres = np.array([[float(row[f"{axis}_mm"]) for axis in "xyz"] for row in mouth]).reshape(-1, 3)
         away = np.linalg.norm(centres[:, None] - np.array(branch["points_mm"]), axis=2)
         radius = np.array(branch["radius_mm"])[away.argmin(axis=1)]
-        ratios.extend(column(mouth, "area_mm2", "ostium") / (np.pi * radius**2))
-    assert len(ratios) > 6 and 0.98 < np.mean(ratios) < 1.03 and max(ratios) < 1.06
+        widening_mm.extend(np.sqrt(column(mouth, "area_mm2", "ostium") / np.pi) - radius)
+    assert len(widening_mm) > 6 and abs(np.mean(widening_mm)) < 0.02
+    assert min(widening_mm) > -0.01 and max(widening_mm) < 0.25 * BLEND_MM / 2
 
 
 def test_earlier_names_are_kept(process, tmp_path):

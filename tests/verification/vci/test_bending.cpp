@@ -138,4 +138,14 @@ TEST(Bending, StentHasItsStatedStiffness) {
         EXPECT_NEAR(found / stated, 1, 0.06) << diameter << " mm, stated " << stated;
 }
 
+TEST(Bending, WideStentHasTheStiffnessOfItsLeastFibresFilmAndHinges) {
+  for (double diameter : {4.0, 4.5}) {
+    const double radius = 0.5 * diameter, buckling = 0.22 * radius * radius * radius / 3, film = 0.3, fibres = 0.5;
+    const double of_hinges = 0.5 * pi * diameter * buckling; // half of n hinges of length pi D / n
+    const double expected = pi * radius * radius * radius * (film + fibres) + of_hinges;
+    for (double found : stent_stiffness(diameter, 20))
+      EXPECT_NEAR(found / expected, 1, 0.06) << diameter << " mm, " << found << " N mm2";
+  }
+}
+
 } // namespace

@@ -61,7 +61,7 @@ def test_a_stent_that_touches_nothing_is_refused(deploy, steps):
 
 def test_a_stent_that_a_later_balloon_brings_to_the_wall_is_none_of_them(deploy):
     result = summary(*deploy(HEALTHY, small_stent(1, 2, post=3.1)))
-    assert result["stents"][0]["final_diameter_mm"] > 2.95
+    assert result["stents"][0]["final_diameter_mm"] > 2.9  # the balloon's 3.1 mm, less the recoil of a stent in a wall
     assert [s["contacts"] for s in result["stages"]][2] == 0, "it hung free in between"
 
 

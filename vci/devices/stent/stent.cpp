@@ -138,16 +138,7 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   const Vectors rest = straight_grid(grid, 0.5 * spec.nominal_diameter);
   std::vector<InteriorEdge> edges = interior_edges(grid.triangles(), rest);
   offset_vertices(edges, first);
-  std::vector<double> coefficients(edges.size(), hinge_stiffness(spec));
-  // In wide stents the fibres have the stated axial stiffness. Stiffer hinges round the rings then add what these
-  // fibres lack of the bending stiffness. Without them plaque crushes single rings.
-  const double nominal_radius = 0.5 * spec.nominal_diameter, spacing = spec.length / (grid.rings() - 1);
-  const double lacking =
-      spec.bending_stiffness - pi * nominal_radius * nominal_radius * nominal_radius * spec.axial_stiffness;
-  if (fibre_stiffness(spec, grid) == spec.axial_stiffness)
-    for (std::size_t k = 0; k < edges.size(); ++k)
-      if ((edges[k].e0 - first) / grid.ring_size == (edges[k].e1 - first) / grid.ring_size)
-        coefficients[k] = std::max(coefficients[k], 2 * std::max(0.0, lacking) / (grid.ring_size * spacing));
+  const std::vector<double> coefficients(edges.size(), hinge_stiffness(spec));
   system.add_force(body, std::make_unique<Hinges>(edges, with_leading_zeros(rest, first), coefficients, 0.1));
   const Triangles& triangles = system.body(body).triangles;
   system.add_force(
