@@ -14,7 +14,7 @@ from common.documents import config, json_reader, schema
 from common.errors import InputError
 from flow.geometry import centreline, surface
 from flow.meshing.provenance import fingerprint
-from whatif import alternatives, calibrated, engine
+from whatif import alternatives, calibrated, engine, oversize
 from whatif.case import PLANNED
 
 READOUTS = {
@@ -25,6 +25,7 @@ READOUTS = {
 }
 STRETCH_PERCENTILE = 99  # percentile over the wall's points; the maximum may come from a single distorted triangle
 COLUMNS = ["rank", "plan", "change", "ffr", "ffr_error", "as_good_as_best", "ffr_3d", *READOUTS, "wall_stretch"]
+COLUMNS += ["balloon_to_artery", "oversized"]
 COLUMNS += ["warnings", "procedure", "status", "lumen_sha256"]
 DEPLOYED = "deployed"
 
@@ -33,8 +34,8 @@ def rank_plans(case, devices_folder, states):
     """(DataFrame of ranking.csv, {plan: steps as a case file lists them}) of a case (whatif.case.Case).
 
     states: states with a 3D answer, which calibrate the network and give its error. First come the plans as good as the
-    best (`sort_by_rank`), the largest stent area first. Then come the other plans by FFR. Last come plans without an
-    answer; their `status` says why.
+    best (`sort_by_rank`): those that are not oversized before the others, the largest stent area first. Then come the
+    other plans by FFR. Last come plans without an answer; their `status` says why.
     """
     families, calibration = config.load_devices(devices_folder), calibrated.calibrate(case, states)
     steps = alternatives.case_steps(case.scene)
@@ -55,14 +56,16 @@ def sort_by_rank(table, error):
     """The rows of ranking.csv sorted by rank, with the columns rank, ffr_error and as_good_as_best.
 
     error: error of each FFR. A plan is as good as the best unless their FFRs differ by more than both errors together.
+    Among plans as good as the best an oversized one comes behind the others, however large its area.
     """
     table = table.assign(ffr_error=np.where(table["ffr"].notna(), error, np.nan))
     table["as_good_as_best"] = table["ffr"].max() - table["ffr"] <= 2 * error
-    area = np.where(table["as_good_as_best"], table["minimal_stent_area_mm2"].astype(float), np.nan)
-    table = table.assign(area=area).sort_values(
-        ["as_good_as_best", "area", "ffr", "plan"], ascending=[False, False, False, True], na_position="last"
+    good, too_wide = table["as_good_as_best"], table["oversized"].fillna(False).astype(bool)
+    keys = {"fits": good & ~too_wide, "area": table["minimal_stent_area_mm2"].astype(float).where(good)}
+    table = table.assign(**keys).sort_values(
+        ["as_good_as_best", *keys, "ffr", "plan"], ascending=[False, False, False, False, True], na_position="last"
     )
-    table = table.drop(columns="area").reset_index(drop=True)
+    table = table.drop(columns=list(keys)).reset_index(drop=True)
     table["rank"] = np.where(table["ffr"].notna(), table.index + 1, np.nan)
     table["rank"] = table["rank"].astype("Int64")
     table["as_good_as_best"] = table["as_good_as_best"].where(table["ffr"].notna(), None)
@@ -81,7 +84,7 @@ def planned_row(case, calibration, steps):
         "status": DEPLOYED,
     }
     return row | deployment_columns(
-        case, calibration, deployment, case.folder / "vci" / "lumen.vtp", case.anatomy(PLANNED), steps
+        case, calibration, case.scene, deployment, case.folder / "vci" / "lumen.vtp", case.anatomy(PLANNED), steps
     )
 
 
@@ -96,7 +99,7 @@ def alternative_row(case, calibration, families, steps, folder):
     except engine.ProcedureFailed as error:
         return {"status": error.reason, "procedure": describe_steps(steps)}
     return {"status": DEPLOYED} | deployment_columns(
-        case, calibration, deployment, folder / "lumen.vtp", anatomy, steps
+        case, calibration, scene, deployment, folder / "lumen.vtp", anatomy, steps
     )
 
 
@@ -129,16 +132,20 @@ def scene_with_steps(case, families, steps):
     return case.scene | changed | {"segment": case.scene["segment"]}
 
 
-def deployment_columns(case, calibration, deployment, lumen_file, anatomy, steps):
+def deployment_columns(case, calibration, scene, deployment, lumen_file, anatomy, steps):
     """The columns of ranking.csv for a deployed lumen: FFR, results of the deployment, and steps in words.
 
-    lumen_file: lumen.vtp of the deployment. anatomy: folder of the lumen's anatomy.
+    scene: content of the plan's scene.json. lumen_file: lumen.vtp of the deployment. anatomy: folder of the lumen's
+    anatomy.
     """
+    ratio = oversize.balloon_to_artery(scene, case.lumen(case.anatomy())[1])
     loss = calibrated.network_loss(case.lumen(anatomy), case.boundary, case.flow_settings.expansion_loss)
     return {
         "ffr": calibration.ffr(loss),
         **{column: deployment.get(key) for column, key in READOUTS.items()},
         "wall_stretch": wall_stretch(lumen_file),
+        "balloon_to_artery": ratio,
+        "oversized": ratio is not None and ratio > oversize.LARGEST_RATIO,
         "warnings": "; ".join(deployment.get("warnings", [])),
         "procedure": describe_steps(steps),
         "lumen_sha256": fingerprint(surface.read(anatomy / "lumen.vtp"), centreline.read(anatomy / "centreline.vtp")),

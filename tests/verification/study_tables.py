@@ -184,13 +184,28 @@ def plans(results):
         with (folder.parent / "ranking.csv").open(newline="") as file:
             ranked = {row["plan"]: row for row in csv.DictReader(file)}
         row, planned, found = ranked[folder.name], ranked["planned"], solution["ffr"]
-        line = [flow.parents[3].name, row["rank"], row["plan"], row["procedure"]]
+        line = [
+            flow.parents[3].name,
+            row["rank"],
+            row["plan"],
+            row["procedure"],
+            f"{float(row['balloon_to_artery']):.2f}",
+        ]
         line += [f"{float(one['ffr']):.4f}" for one in (planned, row)] + [f"{float(row['ffr_error']):.4f}"]
         table.append([*line, f"{found:.4f}", f"{solution['error_estimate']['ffr']:.4f}"])
     if not table:
         return None
     table.sort(key=lambda line: (line[0], int(line[1])))
-    headings = ["patient", "rank", "plan", "procedure", "FFR as planned", "FFR, network", "its error"]
+    headings = [
+        "patient",
+        "rank",
+        "plan",
+        "procedure",
+        "balloon to artery",
+        "FFR as planned",
+        "FFR, network",
+        "its error",
+    ]
     return markdown([*headings, "FFR, 3D", "its estimate"], table)
 
 

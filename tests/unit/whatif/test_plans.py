@@ -1,8 +1,12 @@
-"""Plans are compared over one and the same stretch of the vessel."""
+"""Plans are compared over one and the same stretch of the vessel, and an oversized one does not come first."""
 
 import types
 
-from whatif import plans
+import numpy as np
+import pandas as pd
+import pytest
+
+from whatif import oversize, plans
 
 
 def test_areas_of_every_plan_are_measured_along_the_planned_segment(monkeypatch):
@@ -13,3 +17,45 @@ def test_areas_of_every_plan_are_measured_along_the_planned_segment(monkeypatch)
     case = types.SimpleNamespace(scene={"segment": planned, "procedure": ["planned"], "wall": {}}, anatomy=lambda: None)
     scene = plans.scene_with_steps(case, {}, [])
     assert scene["segment"] == planned and scene["procedure"] == ["shorter"] and "wall" in scene
+
+
+CHART = {"pressure_bar": [6, 12], "diameter_mm": [2.9, 3.2]}
+DEVICES = {
+    "own": {"kind": "balloon", "length_mm": 18.0, "chart": CHART},
+    "des": {"kind": "stent", "length_mm": 18.0, "balloon": "own"},
+    "post": {"kind": "balloon", "length_mm": 8.0, "chart": {"pressure_bar": [8, 16], "diameter_mm": [3.25, 3.45]}},
+}
+
+
+def tapered(s_mm):
+    """Sections of a vessel that tapers from 3.4 to 2.6 mm over 40 mm, as sections.csv has them."""
+    s_mm = np.asarray(s_mm, float)
+    return pd.DataFrame({"branch": "main", "s_mm": s_mm, "reference_diameter_mm": 3.4 - 0.02 * s_mm})
+
+
+@pytest.mark.parametrize("place, healthy", [(10.0, 3.2), (30.0, 2.8), (39.9, 2.6 + 0.02 * 2.05)])
+def test_a_balloon_is_compared_with_the_artery_along_it(place, healthy):
+    use = {"device": "post", "branch": "main", "centre_s_mm": place, "pressure_bar": 12.0}
+    ratio = oversize.balloon_to_artery({"devices": DEVICES, "procedure": [{"devices": [use]}]}, tapered(np.arange(41)))
+    assert ratio == pytest.approx(3.35 / healthy, rel=0.01)
+
+
+def test_a_stent_counts_by_its_balloon_and_the_widest_inflation_decides():
+    uses = [{"device": name, "branch": "main", "centre_s_mm": 20.0, "pressure_bar": 12.0} for name in ("des", "post")]
+    both = [
+        oversize.balloon_to_artery({"devices": DEVICES, "procedure": [{"devices": u}]}, tapered([20]))
+        for u in ([uses[0]], uses)
+    ]
+    assert both == pytest.approx([3.2 / 3.0, 3.35 / 3.0])
+    assert oversize.balloon_to_artery({"devices": DEVICES, "procedure": []}, tapered([20])) is None
+
+
+def test_an_oversized_plan_comes_behind_those_that_fit_unless_they_are_worse():
+    columns = ["plan", "ffr", "minimal_stent_area_mm2", "oversized"]
+    rows = [("larger", 0.90, 9.0, True), ("planned", 0.90, 7.0, False), ("shorter", 0.89, 7.5, False)]
+    rows += [("worse", 0.80, 8.0, False), ("impossible", np.nan, np.nan, np.nan)]
+    ranked = plans.sort_by_rank(pd.DataFrame(rows, columns=columns), 0.01)
+    assert list(ranked["plan"]) == ["shorter", "planned", "larger", "worse", "impossible"]
+    assert list(ranked["rank"][:4]) == [1, 2, 3, 4] and ranked["rank"].isna().iloc[4]
+    table = pd.DataFrame([rows[0], *rows[3:]], columns=columns)
+    assert list(plans.sort_by_rank(table, 0.01)["plan"]) == ["larger", "worse", "impossible"]
