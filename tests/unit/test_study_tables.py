@@ -1,16 +1,21 @@
 """tests/verification/study_tables.py: the tables of docs/nine-patients.md, from small files of results/study."""
 
+import json
 import pathlib
 import sys
 
+import numpy as np
 import pytest
 
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1] / "verification")]
 
 import study_tables  # noqa: E402
+import study_throats  # noqa: E402
 from page_tables import TABLE_MARKS  # noqa: E402
 
+from common import vtp  # noqa: E402
 from reports.study.agreement import published_results  # noqa: E402
+from vci.benchmarks import scenes  # noqa: E402
 
 COHORT = """case,pre_ffr_distal,reference_ffr_distal,vci_ffr_distal,rc_ffr_distal,{areas},deployment_expansion_index
 a,0.70,0.90,0.91,0.92,{values},0.8
@@ -141,3 +146,53 @@ def test_the_page_has_a_place_for_each_table_and_keeps_what_was_not_run(tmp_path
     text = study_tables.PAGE.path.read_text()
     assert study_tables.PAGE.names(text) == set(study_tables.TABLE_FUNCTIONS)
     assert study_tables.PAGE.filled(text, tmp_path) == text
+
+
+def _write_stent(path, diameter_mm, tilt=0.0, count=24):
+    """A stent of 10 mm on the axis x, its rings tilted. Its diameter is larger by 0.1 mm for each mm along it."""
+    angle, s_mm = 2 * np.pi * np.arange(count) / count, np.linspace(-5, 5, 21)
+    radius = 0.5 * (diameter_mm + 0.1 * s_mm)[:, None]
+    y, z = radius * np.cos(angle), radius * np.sin(angle)
+    points = np.stack([s_mm[:, None] + tilt * y, y, z], axis=-1).reshape(-1, 3)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    vtp.write(path, scenes.polydata(points, scenes.Tube._triangles(len(s_mm), count)))
+
+
+@pytest.fixture
+def treated(tmp_path):
+    """A case with a predilatation, a stent and a postdilatation; the truth is narrowest 2 mm past its middle."""
+    vci, truth = (tmp_path / "cases" / "a" / name for name in ("vci", "reference"))
+    _write_stent(vci / "devices" / "stent1.vtp", 2.8)
+    for number, diameter in ((3, 2.0), (4, 2.9), (6, 2.5), (7, 3.1)):
+        _write_stent(vci / "frames" / f"frame_device1_{number:04d}.vtp", diameter)
+    names = [("pre", "predilatation"), ("stent", "stent"), ("post", "postdilatation")]
+    (vci / "scene.json").write_text(json.dumps({"procedure": [{"name": n, "action": a} for n, a in names]}))
+    stages = ("deployment-to-contact", "contact-to-balance", "balloon-extraction")
+    stages = [{"step": name, "stage": stage} for name, _ in names for stage in stages]
+    area = [{"s_mm": 30.0, "area_mm2": 0.25 * np.pi * 3.0**2}, {"s_mm": 31.0, "area_mm2": None}]
+    (vci / "deployment.json").write_text(json.dumps({"stages": stages, "csa_profile": area}))
+    truth.mkdir()
+    history = [{"inflated_radius_mm": 1.7, "radius_mm": 1.5}, {"inflated_radius_mm": 1.6, "radius_mm": 1.53}]
+    slices = [
+        {"s_mm": s, "stented": s > 20, "radius_before_mm": r, "history": history}
+        for s, r in ((10, 0.3), (25, 0.9), (32, 0.6))
+    ]
+    stents = [{"start_s_mm": 25.0, "end_s_mm": 35.0}]
+    (truth / "reference.json").write_text(json.dumps({"slices": slices, "stents": stents}))
+    return tmp_path
+
+
+def test_the_narrowest_place_of_truth_and_stent(treated):
+    """The last frame of an inflation counts for the stent, not one of an extraction, at the place of the slice."""
+    lines = study_throats.throats(treated).splitlines()
+    assert lines[2] == "| a | 1.20 | 3.40 | 3.30 | 3.06 | 3.00 | 3.00 | 10.0 | 9.1 |"
+    assert lines[3] == "| all |  |  |  |  |  |  | 10.0 | 9.1 |"
+
+
+def test_a_tilted_ring_counts_by_its_section_across_the_axis(tmp_path):
+    _write_stent(tmp_path / "stent.vtp", 3.0, tilt=0.3)
+    assert study_throats.ring_diameter(tmp_path / "stent.vtp", 0.0) == pytest.approx(3.0, rel=1e-6)
+
+
+def test_no_table_of_narrowest_places_without_frames(results):
+    assert study_throats.throats(results) is None

@@ -16,6 +16,7 @@ import pandas as pd
 sys.path[:0] = [str(pathlib.Path(__file__).parent), str(pathlib.Path(__file__).resolve().parents[2])]
 
 from page_tables import Page, markdown  # noqa: E402
+from study_throats import throats  # noqa: E402
 
 from reports.page.digits import signed_decimals  # noqa: E402
 from reports.study.agreement import published_results  # noqa: E402
@@ -318,6 +319,7 @@ TABLE_FUNCTIONS |= {
     "intervals": intervals,
     "flow_inputs": flow_inputs,
     "deployment_inputs": deployment_inputs,
+    "throats": throats,
 }
 PAGE = Page("docs/nine-patients.md", {}, {}, TABLE_FUNCTIONS)
 

@@ -70,14 +70,17 @@ def stent_diameters(vci, stents, stages, s_mm):
 
 
 def ring_diameter(path, from_middle_mm):
-    """Diameter (mm) of the circle whose area the rings of a device enclose, at a place along it.
+    """Diameter (mm) of the circle of the same area as a device's cross-section, at a place along it.
 
-    A ring of n vertices is taken as a regular polygon in a circle. from_middle_mm: arc length from the device's middle.
+    The section is that of the ring there, seen along the device's axis. A ring of n vertices is taken as a regular
+    polygon in a circle. from_middle_mm: arc length from the device's middle.
     """
     rings = ring_vertices(path)
     centres, count = rings.mean(axis=1), rings.shape[1]
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(centres, axis=0), axis=1))])
     spokes = rings - centres[:, None]
-    polygons = 0.5 * np.linalg.norm(np.cross(spokes, np.roll(spokes, -1, axis=1)).sum(axis=1), axis=1)
+    axis = np.gradient(centres, axis=0)
+    axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+    polygons = 0.5 * np.abs(np.einsum("rvi,ri->r", np.cross(spokes, np.roll(spokes, -1, axis=1)), axis))
     circles = polygons * (2 * np.pi / count) / np.sin(2 * np.pi / count)
     return float(np.interp(from_middle_mm, along - 0.5 * along[-1], 2 * np.sqrt(circles / np.pi)))
