@@ -6,7 +6,7 @@ namespace vci {
 
 /// E = c / 2 (d1 - d2)^2, with d1 and d2 the lengths of the diagonals of a cell between two rings. The energy resists
 /// shear, but stays 0 while a cell opens evenly. Without this energy, a stent's ring under outside pressure folds in
-/// zigzag along the axis at a tenth of its radial strength, and a balloon's rings tilt in a bend. The stiffness is the
+/// zigzag along the axis at a tenth of its radial strength. The stiffness is the
 /// Gauss-Newton part c grad grad^T, with grad the gradient of d1 - d2. It is exact where the diagonals are equal, and
 /// never negative.
 class CellShear : public Force {

@@ -107,34 +107,9 @@ TEST(Bending, BalloonWrinklesWhereItsInnerFibresGoSlack) {
       const double slack = std::min(0.0, strain + pull / all_fibres); // a slack fibre keeps 2 % of its stiffness
       moment += (all_fibres * (strain - 0.98 * slack) / (1 + k * lever) + pull) * lever / b.ring_size;
     }
-    // Between the held rings the neutral axis lies elsewhere. So the cells shear next to them, and add to the moment.
-    EXPECT_NEAR(b.moment / moment, 1.025, 0.03) << k << " /mm";
+    EXPECT_NEAR(b.moment / moment, 1, 0.02) << k << " /mm";
     EXPECT_LT(b.moment, 0.85 * k * 0.5 * all_fibres * b.radius * b.radius) << "it wrinkles";
   }
-}
-
-TEST(Bending, BalloonResistsShearAsAnIsotropicFilm) {
-  const BalloonSpec spec{3.0, 12.0, 1.5, 0.8, 14.0, {2, 6, 10, 14, 18}, {2.76, 2.93, 3.06, 3.19, 3.31}};
-  const RingGrid grid = balloon_grid(spec, edge);
-  std::vector<double> radii;
-  for (double profile : grid.profile)
-    radii.push_back(1.5 * profile);
-  System system;
-  add_balloon(system, spec, grid, arc(grid, 1e-9, 12), radii);
-  const auto push = [&](double shear) { // sideways force (N) on the upper half if all rings are moved sideways
-    for (int i = 0; i < system.vertices(); ++i)
-      system.x[i].x() += shear * grid.s[i / grid.ring_size];
-    Vectors elastic, foundation, pressure;
-    system.evaluate(elastic, foundation, pressure, false);
-    double force = 0;
-    for (int i = first_held(grid) * grid.ring_size; i < system.vertices(); ++i)
-      force += elastic[i].x();
-    return force;
-  };
-  // A film of stiffness G gives the tube pi R G against shear. The weak film adds its own; its Poisson's ratio is 0.3.
-  const double shear = 1e-3, before = push(0), film = 0.3 / 2.6, shaft = 0.02 * grid.ring_size * grid.s.back();
-  const double expected = pi * 1.5 * (axial_stiffness / 2.8 + film) + shaft; // the shaft holds the end ring
-  EXPECT_NEAR((before - push(shear)) / (shear * expected), 1, 0.02);
 }
 
 /// Bending stiffness (N mm^2) of a stent of this nominal diameter (mm): {its ends held on an arc, balanced between

@@ -1,7 +1,6 @@
 #include "vci/devices/balloon/balloon.hpp"
 #include "vci/devices/balloon/folding.hpp"
 #include "vci/devices/balloon/hoop_chart.hpp"
-#include "vci/devices/cell_shear.hpp"
 #include "vci/mechanics/hinge.hpp"
 #include "vci/mechanics/membrane.hpp"
 #include "vci/mechanics/vertex_force.hpp"
@@ -20,33 +19,12 @@ constexpr double tip_diameter_ratio = 0.35;      // diameter of the balloon's we
 // N/mm (non-compliant). The value here is lower, since polyamide-12 balloons are softer along than round their axis
 // (Geith et al., PLoS ONE 15 (2020) e0234340), and since folds remain. measured.md tells how areas depend on the value.
 constexpr double axial_stiffness = 8.0;
-// Shear stiffness of the film, N/mm: that of an isotropic film with the axial stiffness, E t / (2 (1 + nu)), nu = 0.4.
-// With the weak film alone a taut balloon follows a bend by shear: its rings tilt against its axis, by up to 20 degrees
-// where a balloon of 5.5 mm is inflated in a lesion. Then the balloon is narrower than its chart.
-constexpr double shear_stiffness = axial_stiffness / 2.8;
 constexpr double hinge_coefficient = 0.002;     // N mm per edge: bending stiffness that keeps the grid from wrinkling
 constexpr double crease_yield_angle = 0.02;     // rad: a folded balloon's limp film keeps creases that are sharper
 constexpr double shaft_anchor_stiffness = 0.02; // N/mm: holds each vertex of the end rings at the catheter's shaft
 constexpr double neck_anchor_stiffness = 0.4;   // N/mm: holds each end ring of a folded balloon, shared by its vertices
 // A grid of fibres alone has no shear stiffness, so a weak film (0.3 N/mm, yielding at a strain of 0.05) is added.
 constexpr HenckyLaw balloon_film{0.3, 0.3, 0.0, 0.05, 0.02};
-
-/// The cells between rings. A cell of sides a and b whose corners are sheared by the angle g has diagonals that differ
-/// by 2 a b g / d, with d the length of a diagonal. So its energy G a b g^2 / 2 is that of CellShear with
-/// c = G d^2 / (4 a b).
-std::vector<CellShear::Cell> shear_cells(const BalloonSpec& spec, const RingGrid& grid, int first) {
-  std::vector<CellShear::Cell> cells;
-  const int n = grid.ring_size;
-  for (int r = 0; r + 1 < grid.rings(); ++r) {
-    const double a = pi * spec.nominal_diameter / n * 0.5 * (grid.profile[r] + grid.profile[r + 1]);
-    const double b = grid.s[r + 1] - grid.s[r];
-    for (int k = 0; k < n; ++k) {
-      const int one = first + r * n + k, next = first + r * n + (k + 1) % n;
-      cells.push_back({{one, next, next + n, one + n}, shear_stiffness * (a * a + b * b) / (4 * a * b)});
-    }
-  }
-  return cells;
-}
 
 } // namespace
 
@@ -103,7 +81,6 @@ Balloon add_balloon(System& system, const BalloonSpec& spec, RingGrid grid, cons
                        std::hypot(grid.s[r + 1] - grid.s[r], rise), axial_stiffness * share * mean, 0.0, true});
     }
   Fibres& fibres = system.add_force(body, std::make_unique<Fibres>(axial));
-  system.add_force(body, std::make_unique<CellShear>(shear_cells(spec, grid, first)));
   Pressure& pressure = system.add_force(body, std::make_unique<Pressure>(system.body(body).triangles, system.x, 0.0));
 
   const Vectors rest = straight_grid(grid, 0.5 * (folded ? unfolded_diameter(spec) : spec.nominal_diameter));
