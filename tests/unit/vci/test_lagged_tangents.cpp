@@ -2,7 +2,7 @@
 // that it is bounded.
 #include "force_checks.hpp"
 #include "vci/bench/crimper.hpp"
-#include "vci/devices/cell_shear.hpp"
+#include "vci/devices/stent/cell_shear.hpp"
 #include "vci/devices/stent/ring_hoop.hpp"
 #include "vci/mechanics/fibre.hpp"
 #include "vci/mechanics/hinge.hpp"

@@ -1,6 +1,6 @@
 // Springs along triangles' edges and the shear stiffness of a stent's cells against finite differences.
 #include "force_checks.hpp"
-#include "vci/devices/cell_shear.hpp"
+#include "vci/devices/stent/cell_shear.hpp"
 #include "vci/wall/mass_spring.hpp"
 #include <cmath>
 

@@ -1,5 +1,5 @@
 #include "vci/devices/stent/stent.hpp"
-#include "vci/devices/cell_shear.hpp"
+#include "vci/devices/stent/cell_shear.hpp"
 #include "vci/devices/stent/ring_hoop.hpp"
 #include "vci/mechanics/fibre.hpp"
 #include "vci/mechanics/hinge.hpp"

@@ -1,14 +1,13 @@
-// Shear stiffness of the cells of a device's grid.
+// Shear stiffness of a stent's cells.
 #pragma once
 #include "vci/mechanics/force.hpp"
 
 namespace vci {
 
-/// E = c / 2 (d1 - d2)^2, with d1 and d2 the lengths of the diagonals of a cell between two rings. The energy resists
-/// shear, but stays 0 while a cell opens evenly. Without this energy, a stent's ring under outside pressure folds in
-/// zigzag along the axis at a tenth of its radial strength. The stiffness is the
-/// Gauss-Newton part c grad grad^T, with grad the gradient of d1 - d2. It is exact where the diagonals are equal, and
-/// never negative.
+/// E = c / 2 (d1 - d2)^2, with d1 and d2 the lengths of the diagonals of a cell of the stent's grid. The energy resists
+/// shear, but stays 0 while a cell opens evenly. Without this energy, a ring under outside pressure folds in zigzag
+/// along the axis at a tenth of its radial strength. The stiffness is the Gauss-Newton part c grad grad^T, with grad
+/// the gradient of d1 - d2. It is exact where the diagonals are equal, and never negative.
 class CellShear : public Force {
 public:
   struct Cell {

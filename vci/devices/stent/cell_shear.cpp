@@ -1,4 +1,4 @@
-#include "vci/devices/cell_shear.hpp"
+#include "vci/devices/stent/cell_shear.hpp"
 
 namespace vci {
 
