@@ -73,6 +73,11 @@ TITLES = {
         "A row is a state of the study; difference: FFR on the next finer mesh minus that of the answer. The estimate "
         "should be no smaller.",
     ),
+    "flow_starts": (
+        "Blood flow: what a first guess saves",
+        "A row is a state of the study, solved from rest, from the reduced models' flow and from the flow of the "
+        "predicted state; difference: of FFR from that found from rest.",
+    ),
     "flow_growth": (
         "Blood flow: cost by mesh",
         "A row is a mesh of the same narrowed tube; errors of FFR are against an axisymmetric solution. Exponents: of "

@@ -2,6 +2,7 @@
 #include "vci/geometry/closest_point.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -16,32 +17,42 @@ Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& 
 
 namespace {
 
-/// Finds the point of a triangle from which p lies along the interpolated normal. Unlike the closest point, this point
-/// moves continuously across edges on both sides of a folded surface. Returns false if the point lies far outside the
-/// triangle, or if the interpolated normal leans too far from the triangle's own.
+/// Finds the point of a triangle from which p lies along the interpolated normal, by Newton's method. Unlike the
+/// closest point, this point moves continuously across edges on both sides of a folded surface. Returns false if there
+/// is no such point, if it lies far outside the triangle, or if the interpolated normal leans too far from the
+/// triangle's own.
 /// @param weights barycentric: first guess, then the result, which may lie outside the triangle
 bool project_along_normals(const Vec3& p, const Triangle& t, const System& system, const Vectors& unit_normals,
                            Vec3& weights) {
-  // Iterations end once the weights change by less than this. Each one reduces their error to a hundredth or less.
   constexpr double weight_tolerance = 1e-5;
+  constexpr int most_projection_iterations = 8;
   const Vec3 &a = system.x[t[0]], ab = system.x[t[1]] - a, ac = system.x[t[2]] - a;
   const Vec3 face = ab.cross(ac), pa = p - a;
   const double square = face.squaredNorm(), least_slope = 0.2 * std::sqrt(square), height = pa.dot(face);
-  for (int iteration = 0; iteration < 4; ++iteration) {
-    const Vec3 n = interpolated_normal(t, weights, unit_normals);
+  const Vec3 to_v = ac.cross(face) / square, to_w = face.cross(ab) / square; // weights of a point: products with these
+  const Vec3 normal_b = unit_normals[t[1]] - unit_normals[t[0]], normal_c = unit_normals[t[2]] - unit_normals[t[0]];
+  for (int iteration = 0; iteration < most_projection_iterations; ++iteration) {
+    // q(v, w) is where the line from p along the normal n(v, w) meets the triangle's plane. At the projection it has
+    // the weights v and w itself.
+    const Vec3 n = unit_normals[t[0]] + weights[1] * normal_b + weights[2] * normal_c;
     const double slope = n.dot(face);
-    if (slope <= least_slope)
+    if (slope <= least_slope * n.norm())
       return false;
     const Vec3 q = pa - height / slope * n;
-    const double v = q.cross(ac).dot(face) / square, w = ab.cross(q).dot(face) / square;
-    const double change = std::max(std::abs(v - weights[1]), std::abs(w - weights[2]));
+    const auto derivative = [&](const Vec3& dn) { return Vec3(height / slope * (dn.dot(face) / slope * n - dn)); };
+    const Vec3 by_v = derivative(normal_b), by_w = derivative(normal_c);
+    Eigen::Matrix2d tangent;
+    tangent << to_v.dot(by_v) - 1, to_v.dot(by_w), to_w.dot(by_v), to_w.dot(by_w) - 1;
+    const Eigen::Vector2d change =
+        tangent.inverse() * Eigen::Vector2d(weights[1] - to_v.dot(q), weights[2] - to_w.dot(q));
+    const double v = weights[1] + change[0], w = weights[2] + change[1];
     weights = Vec3(1 - v - w, v, w);
-    if (weights.minCoeff() < -0.5)
+    if (!(weights.minCoeff() >= -0.5))
       return false;
-    if (change < weight_tolerance)
-      break;
+    if (change.cwiseAbs().maxCoeff() < weight_tolerance)
+      return true;
   }
-  return true;
+  return false;
 }
 
 bool lies_in_triangle(const Vec3& weights) {

@@ -1,6 +1,7 @@
 # Benchmarks of the flow. benchmarks.smk says how benchmarks run, and which of them `snakemake benchmarks` runs.
 SOLVED_STATES = [f"results/cases/quick_branch/flow/{state}" for state in ("pre", "vci")]  # flows in a branched vessel
 STATES_ON_FINER_MESH = expand("results/cases/{case}/flow/{state}", case=CASES, state=["pre", "vci"])
+STATES_OF_STARTS = expand("results/cases/{case}/flow/{state}", case=CASES, state=["vci", "reference"])
 STRAIGHT_TUBES = (*(f"single_{percent}" for percent in (62, 75, 80, 85, 90)), "tandem_60", "throat_re_1500")
 
 
@@ -168,6 +169,32 @@ rule flow_finer_mesh:
     params:
         out=output_folder,
         states=STATES_ON_FINER_MESH,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} {params.states}"
+
+
+rule flow_starts:
+    message:
+        "benchmark: what a first guess of the flow saves, by its own name only"
+    input:
+        code=flow_benchmark_code("starts"),
+        factors=FLOW_FACTORS,
+        script="tests/verification/flow/starts.py",
+        boundaries=expand("results/cases/{case}/flow/boundary.json", case=CASES),
+        meshes=expand("{state}/{file}", state=STATES_OF_STARTS, file=["mesh.msh", "mesh.json", *COARSE_MESHES]),
+        starts=expand("results/cases/{case}/flow/vci/{file}", case=CASES, file=["ffr.json", "solution.vtu"]),
+    output:
+        "results/benchmarks/flow_starts/starts.csv",
+    log:
+        "results/benchmarks/logs/flow_starts.log",
+    benchmark:
+        "results/benchmarks/logs/flow_starts.tsv"
+    threads: ALL_CORES
+    resources:
+        **WHOLE_NODE,
+    params:
+        out=output_folder,
+        states=STATES_OF_STARTS,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} {params.states}"
 

@@ -85,6 +85,19 @@ TABLES = {
             "difference": "FFR minus the answer's",
         },
     ),
+    "flow_starts": (
+        "starts.csv",
+        {
+            "state": "state",
+            "rest_factorizations": "from rest",
+            "reduced_factorizations": "from the reduced models",
+            "vci_factorizations": "from `vci`",
+            "rest_cpu_s": "CPU s: from rest",
+            "reduced_cpu_s": "from the reduced models",
+            "vci_cpu_s": "from `vci`",
+            "difference": "FFR differs by",
+        },
+    ),
     "flow_wall_shear": (
         "wall_shear.csv",
         {

@@ -62,22 +62,15 @@ def deploy_in_calcium(binary, folder, bar):
 
 @pytest.mark.slow
 def test_calcium_round_270_degrees_opens_more_at_each_pressure(binary, tmp_path):
+    """Earlier engines refused 14, 15 or 16 bar between pressures that balance."""
     areas = []
-    for bar in (12, 13, 14, 16):
+    for bar in (12, 13, 14, 15, 16):
         result = deploy_in_calcium(binary, tmp_path / f"{bar}", bar)
         assert result.returncode == 0, result.stderr
         areas.append(
             json.loads((tmp_path / f"{bar}" / "out" / "deployment.json").read_text())["minimal_lumen_area_mm2"]
         )
     assert np.all(np.diff(areas) > 0.05)
-
-
-@pytest.mark.slow
-@pytest.mark.xfail(reason="refused at 15 bar, between pressures that balance, since stents have their stated stiffness")
-def test_no_pressure_between_others_is_refused(binary, tmp_path):
-    """Seen again: an earlier engine refused two such pressures. It balances if the balloon's cells resist shear."""
-    result = deploy_in_calcium(binary, tmp_path / "15", 15)
-    assert result.returncode == 0, result.stderr
 
 
 @pytest.mark.slow

@@ -1,0 +1,85 @@
+"""What a first guess of the flow saves: python3 tests/verification/flow/starts.py --out DIR STATE ...
+
+STATE is results/cases/<case>/flow/<state>, with the meshes of `flow mesh`. Each state is solved from rest, from the
+flow of the reduced models where the solver uses it, and from the flow of the state `vci` where the study does so.
+Writes DIR/starts.csv, a row for each state: factorizations and CPU seconds of each way, and by how much FFR of the
+other ways differs from that from rest. An empty cell: the way is not used in this state.
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+
+sys.path[:0] = [str(pathlib.Path(__file__).parent), str(pathlib.Path(__file__).resolve().parents[3])]
+
+import growth  # noqa: E402
+
+from common.errors import guarded  # noqa: E402
+
+MESHES = ("mesh_coarsest.msh", "mesh_coarse.msh", "mesh.msh")  # of the study, the coarsest first
+WAYS = ("rest", "reduced", "vci")
+COLUMNS = ("state", *(f"{way}_{key}" for way in WAYS for key in ("factorizations", "cpu_s")), "difference")
+# Newton's method from the reduced models' flow is what `flow solve` tries first; here it is switched off.
+FROM_REST = """
+from flow import __main__
+from flow.solvers import predicted_start
+predicted_start.try_predicted_flow = lambda *_: None
+__main__.main()
+"""
+SAID_FROM_REDUCED = "from the reduced models' flow"  # in the log of a solve that begins there
+
+
+def solved(state, folder, *options, program=("-m", "flow")):
+    """(ffr.json, the log's text) of one solve of a state's meshes. folder: for its files."""
+    folder.mkdir(parents=True, exist_ok=True)
+    case = state.parents[1]
+    anatomy = case / "anatomy" if state.name == "pre" else case / state.name / "anatomy"
+    made = [state / mesh for mesh in MESHES if (state / mesh).stat().st_size]  # `flow mesh` may leave out coarser ones
+    files = [made[-1], "--coarse", *made[:-1], "--boundary", state.parent / "boundary.json"]
+    files += ["--centreline", anatomy / "centreline.vtp", "--mesh-report", state / "mesh.json"]
+    chosen = ["--settings", case / "settings" / "flow.json", *options]
+    growth.command(folder, "solve", *files, *chosen, "--out", ".", program=program)
+    return json.loads((folder / "ffr.json").read_text()), (folder / "solve.log").read_text()
+
+
+def costs(way, answer):
+    """Columns of the table for a way that led to `answer` (ffr.json)."""
+    total = sum(mesh["factorizations"] for mesh in answer["meshes"])
+    return {f"{way}_factorizations": total, f"{way}_cpu_s": f"{answer['cpu_seconds']:.0f}"}
+
+
+def row_of(state, out):
+    """Row of the table. state: folder of the state's meshes; out: folder for the files of its solves."""
+    name = f"{state.parents[1].name}_{state.name}"
+    rest, _ = solved(state, out / f"{name}_rest", program=("-c", FROM_REST))
+    row, found = {"state": name.replace("_", " ")} | costs("rest", rest), []
+    reduced, log = solved(state, out / f"{name}_reduced")
+    if SAID_FROM_REDUCED in log:
+        row |= costs("reduced", reduced)
+        found.append(reduced["ffr"])
+    if state.name not in ("pre", "vci"):
+        centreline = state.parents[1] / "vci" / "anatomy" / "centreline.vtp"
+        started, _ = solved(state, out / f"{name}_vci", "--start", state.parent / "vci", centreline)
+        row |= costs("vci", started)
+        found.append(started["ffr"])
+    return row | {"difference": f"{max((abs(ffr - rest['ffr']) for ffr in found), default=0):.1e}" if found else ""}
+
+
+@guarded
+def main():
+    """Solves all states in each way, and writes the table after each state."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("states", nargs="+", type=pathlib.Path, metavar="STATE")
+    parser.add_argument("--out", required=True, type=pathlib.Path)
+    arguments = parser.parse_args()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for state in arguments.states:
+        rows.append(row_of(state.resolve(), arguments.out.resolve()))
+        print(rows[-1], flush=True)
+        growth.write(arguments.out / "starts.csv", COLUMNS, rows)
+
+
+if __name__ == "__main__":
+    main()
