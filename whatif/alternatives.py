@@ -49,7 +49,8 @@ def all_alternatives(steps, families):
     alternatives = {
         "shorter": ("stent one length shorter", lambda: _change_stent_lengths(steps, families, -1)),
         "longer": ("stent one length longer", lambda: _change_stent_lengths(steps, families, 1)),
-        "larger": ("stent and what follows one size larger", lambda: _one_diameter_larger(steps, families)),
+        "larger": ("stent and what follows one size larger", lambda: _change_diameters(steps, families, 1)),
+        "smaller": ("stent and what follows one size smaller", lambda: _change_diameters(steps, families, -1)),
         "pressure": (f"{EXTRA_PRESSURE_BAR:g} bar more from the stent on", lambda: _raise_pressures(steps, families)),
         "predilatation": _toggle_action(steps, families, PREDILATATION),
         "postdilatation": _toggle_action(steps, families, POSTDILATATION),
@@ -84,20 +85,19 @@ def _change_stent_lengths(steps, families, entries):
     return changed
 
 
-def _one_diameter_larger(steps, families):
-    """The steps with every device from the first stent on one diameter larger.
+def _change_diameters(steps, families, entries):
+    """The steps with the diameter of each device from the first stent on moved by `entries` places in its family.
 
-    A device that already has its family's largest diameter stays as it is.
+    A device that already has its family's largest or smallest diameter stays as it is.
     """
     first, changed = _first_stent_step(steps), copy.deepcopy(steps)
     for step in changed[first:]:
         for use in step["devices"]:
-            use["diameter_mm"] = min(
-                (size for size in families[use["device"]]["diameters_mm"] if size > use["diameter_mm"]),
-                default=use["diameter_mm"],
-            )
+            sizes = sorted(families[use["device"]]["diameters_mm"])
+            index = sizes.index(use["diameter_mm"]) + entries
+            use["diameter_mm"] = sizes[min(max(index, 0), len(sizes) - 1)]
     if changed == steps:
-        raise PlanNotPossible("every device is the catalogue's largest")
+        raise PlanNotPossible(f"every device is the catalogue's {'largest' if entries > 0 else 'smallest'}")
     return changed
 
 

@@ -5,16 +5,14 @@ import tempfile
 
 import numpy as np
 import pandas as pd
-from vtk.util.numpy_support import vtk_to_numpy
 
 from anatomy.lumen_results import read_summary
 from anatomy.planning.plan import procedure
-from common import vtp
 from common.documents import config, json_reader, schema
 from common.errors import InputError
 from flow.geometry import centreline, surface
 from flow.meshing.provenance import fingerprint
-from whatif import alternatives, calibrated, engine, oversize
+from whatif import alternatives, calibrated, engine, risks
 from whatif.case import PLANNED
 
 READOUTS = {
@@ -23,9 +21,8 @@ READOUTS = {
     "expansion_index": "expansion_index",
     "malapposition_mm": "maximal_malapposition_mm",
 }
-STRETCH_PERCENTILE = 99  # percentile over the wall's points; the maximum may come from a single distorted triangle
 COLUMNS = ["rank", "plan", "change", "ffr", "ffr_error", "as_good_as_best", "ffr_3d", *READOUTS, "wall_stretch"]
-COLUMNS += ["balloon_to_artery", "oversized"]
+COLUMNS += ["side_branch_loss_percent", "balloon_to_artery", "oversized"]
 COLUMNS += ["warnings", "procedure", "status", "lumen_sha256"]
 DEPLOYED = "deployed"
 
@@ -138,26 +135,21 @@ def deployment_columns(case, calibration, scene, deployment, lumen_file, anatomy
     scene: content of the plan's scene.json. lumen_file: lumen.vtp of the deployment. anatomy: folder of the lumen's
     anatomy.
     """
-    ratio = oversize.balloon_to_artery(scene, case.lumen(case.anatomy())[1])
-    loss = calibrated.network_loss(case.lumen(anatomy), case.boundary, case.flow_settings.expansion_loss)
+    summary, before = case.lumen(case.anatomy())
+    after = case.lumen(anatomy)
+    ratio = risks.balloon_to_artery(scene, before)
+    loss = calibrated.network_loss(after, case.boundary, case.flow_settings.expansion_loss)
     return {
         "ffr": calibration.ffr(loss),
         **{column: deployment.get(key) for column, key in READOUTS.items()},
-        "wall_stretch": wall_stretch(lumen_file),
+        "wall_stretch": risks.wall_stretch(lumen_file),
+        "side_branch_loss_percent": risks.side_branch_loss(summary["branches"], before, after[1]),
         "balloon_to_artery": ratio,
-        "oversized": ratio is not None and ratio > oversize.LARGEST_RATIO,
+        "oversized": ratio is not None and ratio > risks.LARGEST_RATIO,
         "warnings": "; ".join(deployment.get("warnings", [])),
         "procedure": describe_steps(steps),
         "lumen_sha256": fingerprint(surface.read(anatomy / "lumen.vtp"), centreline.read(anatomy / "centreline.vtp")),
     }
-
-
-def wall_stretch(lumen_file):
-    """The 99th percentile of the wall's largest principal stretch, over the points where the wall was moved."""
-    poly = vtp.read(lumen_file, "made by `vci deploy`")
-    stretch = vtk_to_numpy(poly.GetPointData().GetArray("wall_stretch"))
-    moved = np.abs(vtk_to_numpy(poly.GetPointData().GetArray("displacement_mm"))).max(axis=-1) > 0
-    return float(np.percentile(stretch[moved], STRETCH_PERCENTILE))
 
 
 def describe_steps(steps):

@@ -34,6 +34,8 @@ def test_each_alternative_changes_what_it_says(plan, families):
     assert changed(steps, found["longer"][1]) == {("stent", "length_mm"): 23}
     larger = {("stent", "diameter_mm"): 3.25, ("postdilatation", "diameter_mm"): 3.5}
     assert changed(steps, found["larger"][1]) == larger
+    smaller = {("stent", "diameter_mm"): 2.75, ("postdilatation", "diameter_mm"): 3.0}
+    assert changed(steps, found["smaller"][1]) == smaller
     assert changed(steps, found["pressure"][1]) == {
         ("stent", "pressure_bar"): 16,
         ("postdilatation", "pressure_bar"): 20,
@@ -64,7 +66,11 @@ def test_what_the_catalogue_does_not_have_is_not_offered(plan, families):
     assert found["pressure"][2] == "every balloon is at its rated burst pressure"
     assert changed(steps, found["larger"][1]) == {("postdilatation", "diameter_mm"): 3.5}, "the largest stent stays"
     assert found["shorter"][1] is not None
-    steps[2]["devices"][0]["diameter_mm"] = 5.5
+    steps[1]["devices"][0]["diameter_mm"] = 2.25
+    assert changed(steps, alternatives.all_alternatives(steps, families)["smaller"][1]).keys() == {
+        ("postdilatation", "diameter_mm")
+    }, "the smallest stent stays"
+    steps[1]["devices"][0]["diameter_mm"], steps[2]["devices"][0]["diameter_mm"] = 4.5, 5.5
     assert alternatives.all_alternatives(steps, families)["larger"][2] == "every device is the catalogue's largest"
 
 

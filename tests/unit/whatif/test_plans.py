@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from whatif import oversize, plans
+from whatif import risks, plans
 
 
 def test_areas_of_every_plan_are_measured_along_the_planned_segment(monkeypatch):
@@ -36,18 +36,18 @@ def tapered(s_mm):
 @pytest.mark.parametrize("place, healthy", [(10.0, 3.2), (30.0, 2.8), (39.9, 2.6 + 0.02 * 2.05)])
 def test_a_balloon_is_compared_with_the_artery_along_it(place, healthy):
     use = {"device": "post", "branch": "main", "centre_s_mm": place, "pressure_bar": 12.0}
-    ratio = oversize.balloon_to_artery({"devices": DEVICES, "procedure": [{"devices": [use]}]}, tapered(np.arange(41)))
+    ratio = risks.balloon_to_artery({"devices": DEVICES, "procedure": [{"devices": [use]}]}, tapered(np.arange(41)))
     assert ratio == pytest.approx(3.35 / healthy, rel=0.01)
 
 
 def test_a_stent_counts_by_its_balloon_and_the_widest_inflation_decides():
     uses = [{"device": name, "branch": "main", "centre_s_mm": 20.0, "pressure_bar": 12.0} for name in ("des", "post")]
     both = [
-        oversize.balloon_to_artery({"devices": DEVICES, "procedure": [{"devices": u}]}, tapered([20]))
+        risks.balloon_to_artery({"devices": DEVICES, "procedure": [{"devices": u}]}, tapered([20]))
         for u in ([uses[0]], uses)
     ]
     assert both == pytest.approx([3.2 / 3.0, 3.35 / 3.0])
-    assert oversize.balloon_to_artery({"devices": DEVICES, "procedure": []}, tapered([20])) is None
+    assert risks.balloon_to_artery({"devices": DEVICES, "procedure": []}, tapered([20])) is None
 
 
 def test_an_oversized_plan_comes_behind_those_that_fit_unless_they_are_worse():
@@ -59,3 +59,26 @@ def test_an_oversized_plan_comes_behind_those_that_fit_unless_they_are_worse():
     assert list(ranked["rank"][:4]) == [1, 2, 3, 4] and ranked["rank"].isna().iloc[4]
     table = pd.DataFrame([rows[0], *rows[3:]], columns=columns)
     assert list(plans.sort_by_rank(table, 0.01)["plan"]) == ["larger", "worse", "impossible"]
+
+
+def narrowed(area_mm2, branch="side1", start=3.0):
+    """Sections of a side branch whose first mm after `start` has the area_mm2, and 3 mm2 beyond."""
+    s_mm = start + np.arange(0.0, 10.0, 0.5)
+    return pd.DataFrame({"branch": branch, "s_mm": s_mm, "area_mm2": np.where(s_mm < start + 1, area_mm2, 3.0)})
+
+
+def test_the_mouth_of_a_side_branch_that_loses_most_counts():
+    branches = [{"name": "main", "parent": None}, {"name": "side1", "parent": "main"}]
+    branches += [{"name": "side2", "parent": "main"}, {"name": "lost", "parent": "main"}]
+    before = pd.concat([narrowed(2.0), narrowed(2.5, "side2"), narrowed(2.0, "lost")])
+    after = pd.concat([narrowed(1.5, start=3.4), narrowed(2.4, "side2"), tapered([0.0, 1.0]).assign(area_mm2=9.0)])
+    assert risks.side_branch_loss(branches, before, after) == pytest.approx(25.0)
+    assert risks.side_branch_loss(branches[:1], before, after) is None
+    assert risks.side_branch_loss(branches[:2], before, narrowed(2.2)) == pytest.approx(-10.0), "wider than before"
+
+
+def test_a_narrowing_far_from_the_mouth_does_not_count():
+    branches = [{"name": "side1", "parent": "main"}]
+    after = narrowed(2.0)
+    after.loc[after["s_mm"] > 3.0 + risks.MOUTH_MM, "area_mm2"] = 0.5
+    assert risks.side_branch_loss(branches, narrowed(2.0), after) == 0

@@ -1,11 +1,16 @@
-"""How wide a plan's balloons are, compared with the healthy artery round them."""
+"""What a plan asks of the vessel: width of balloons, stretch of the wall, what side branches lose of their mouths."""
 
 import numpy as np
+from vtk.util.numpy_support import vtk_to_numpy
+
+from common import vtp
 
 # After angioplasty, emergency bypass surgery was needed in 1.7 % of the patients if the balloon's diameter was below
 # 0.9 times the artery's, in 3.1 % from 0.9 to 1.1, and in 7.8 % above (Roubin et al., Circulation 1988; 78: 557-565;
 # only the abstract was read). Those balloons were inflated without stents.
 LARGEST_RATIO = 1.1
+STRETCH_PERCENTILE = 99  # percentile over the wall's points; the maximum may come from a single distorted triangle
+MOUTH_MM = 5.0  # length of a side branch, from its first cross-section on, that plaque or carina may narrow
 
 
 def balloon_to_artery(scene, sections):
@@ -40,3 +45,33 @@ def healthy_diameter(sections, use, length_mm):
     away = (own["s_mm"] - use["centre_s_mm"]).abs()
     beside = own[away <= max(0.5 * length_mm, away.min())]
     return float(beside["reference_diameter_mm"].mean())
+
+
+def wall_stretch(lumen_file):
+    """The 99th percentile of the wall's largest principal stretch, over the points where the wall was moved."""
+    poly = vtp.read(lumen_file, "made by `vci deploy`")
+    stretch = vtk_to_numpy(poly.GetPointData().GetArray("wall_stretch"))
+    moved = np.abs(vtk_to_numpy(poly.GetPointData().GetArray("displacement_mm"))).max(axis=-1) > 0
+    return float(np.percentile(stretch[moved], STRETCH_PERCENTILE))
+
+
+def side_branch_loss(branches, before, after):
+    """How much narrower the mouth of a side branch is than before, in percent of its area; the largest over them.
+
+    A stent shifts plaque or the carina into the mouth. A negative value: every mouth is wider than before. The mouth's
+    area is the smallest over the first MOUTH_MM of the branch's cross-sections.
+
+    branches: entry `branches` of anatomy.json. before, after: tables of sections.csv. None if no side branch has
+    sections in both.
+    """
+    sides = [one["name"] for one in branches if one["parent"] is not None]
+    mouths = [[mouth_area(table, name) for table in (before, after)] for name in sides]
+    losses = [100 * (1 - new / old) for old, new in mouths if old and new]
+    return max(losses, default=None)
+
+
+def mouth_area(sections, branch):
+    """Smallest area (mm2) over the first MOUTH_MM of a branch in the table of sections.csv; None without sections."""
+    own = sections[(sections["branch"] == branch) & sections["area_mm2"].notna()]
+    near = own[own["s_mm"] <= own["s_mm"].min() + MOUTH_MM]
+    return float(near["area_mm2"].min()) if len(near) else None
