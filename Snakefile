@@ -63,7 +63,7 @@ os.environ.update(VCI_BUILD_DIR=os.path.abspath(BUILD))  # where the flow looks 
 wildcard_constraints:
     case="|".join(STUDY.cases),
     state="|".join(ANATOMY_STATES),
-    plan="shorter|longer|larger|pressure|predilatation|postdilatation",
+    plan="shorter|longer|larger|smaller|pressure|predilatation|postdilatation",
     section="anatomy|deployment|flow|reference|ct|metrics",
 
 

@@ -4,11 +4,14 @@ import collections
 import graphlib
 import json
 import os
+import re
 
 import pytest
 import yaml
 
+from tests.support.places import ROOT
 from tests.workflow.conftest import RECORD
+from whatif import alternatives
 
 pytestmark = pytest.mark.slow
 
@@ -94,7 +97,7 @@ def test_benchmarks_stand_apart_and_feed_the_report(finished):
     assert finished.planned_rules("benchmarks") == names
     by_name = ("flow_against_openfoam", "flow_tree_against_openfoam", "flow_growth", "flow_tolerance")
     by_name += ("flow_wall_shear", "flow_fda_jet", "flow_finer_mesh", "deployment_coarse_walls")
-    by_name += ("deployment_calcium_strength",)
+    by_name += ("deployment_calcium_strength", "flow_starts")
     for name in (*by_name, "reference_against_calculix"):
         assert finished.planned_rules(name) == {name}, "by its name only"
     table = finished.folder / "results" / "benchmarks" / "flow_hard_cases" / "hard_cases.csv"
@@ -112,6 +115,11 @@ def test_the_flow_of_another_plan_is_solved_only_when_asked_for(finished):
     (finished.folder / ffr).parent.mkdir(parents=True)
     (finished.folder / ffr).write_text("{}")
     assert finished.planned_rules() == RECORD, "which show it"
+
+
+def test_every_other_plan_may_be_asked_for():
+    constraint = re.search(r'plan="([^"]+)"', (ROOT / "Snakefile").read_text(encoding="utf-8"))
+    assert constraint.group(1).split("|") == list(alternatives.all_alternatives([], {}))
 
 
 def test_pressures_and_places_are_varied_only_when_asked_for(finished):
