@@ -75,7 +75,7 @@ def jacobian_bounds(nodes):
 def count_overlapping(tetrahedra):
     """Number of faces with both of their cells on the same side; tetrahedra (n, 4), each of positive volume.
 
-    This happens where a mesh was folded and a cell is turned over. The cell by itself looks good, but it overlaps its
+    This happens where a mesh was folded and a cell is inverted. The cell by itself looks good, but it overlaps its
     neighbours, and the flow through their common faces is lost.
     """
     faces = np.concatenate([tetrahedra[:, face] for face in OUTWARD_FACES])

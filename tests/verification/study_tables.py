@@ -18,8 +18,10 @@ sys.path[:0] = [str(pathlib.Path(__file__).parent), str(pathlib.Path(__file__).r
 from page_tables import Page, markdown  # noqa: E402
 from study_throats import throats  # noqa: E402
 
+from reports.__main__ import read_metrics  # noqa: E402
 from reports.page.digits import signed_decimals  # noqa: E402
 from reports.study.agreement import published_results  # noqa: E402
+from reports.study.nearer import nearer_table  # noqa: E402
 
 STATES_AFTER = ("reference", "vci", "rc")
 DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}
@@ -151,8 +153,21 @@ def agreement(results, name="agreement"):
 def nearer(results):
     """Markdown: whether VCI or radius correction is nearer to the truth."""
     rows = read_rows(results, "nearer")
-    if rows is None:
+    return None if rows is None else nearer_markdown(rows)
+
+
+def nearer_half_maximum(results):
+    """The rows of `nearer` judged by CT, for the lumens that were found in the CT at half maximum."""
+    found = sorted(results.glob("cases/*/half_maximum/metrics.json"))
+    if not found:
         return None
+    table = nearer_table(read_metrics(found))
+    text = table[table["truth"] == "ct"].astype(object).where(table.notna(), "").astype(str)
+    return nearer_markdown(text.to_dict("records"))
+
+
+def nearer_markdown(rows):
+    """Markdown of rows of nearer.csv (dicts of texts), of the included patients alone."""
     table = []
     for row in rows:
         if row["patients"] == "included":
@@ -320,6 +335,7 @@ TABLE_FUNCTIONS |= {
     "flow_inputs": flow_inputs,
     "deployment_inputs": deployment_inputs,
     "throats": throats,
+    "nearer_half_maximum": nearer_half_maximum,
 }
 PAGE = Page("docs/nine-patients.md", {}, {}, TABLE_FUNCTIONS)
 

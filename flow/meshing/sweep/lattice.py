@@ -169,9 +169,9 @@ def build(sections, disc, jet_share):
 
 
 def inverted_gaps(lattice, disc):
-    """Numbers (k,) of the gaps between stations in which a tetrahedron is turned over and overlaps its neighbours.
+    """Numbers (k,) of the gaps between stations in which a tetrahedron is inverted and overlaps its neighbours.
 
-    A tetrahedron is turned over if its volume has another sign than in the lattice of a straight tube.
+    A tetrahedron is inverted if its volume has another sign than in the lattice of a straight tube.
     """
     rho, angle = disc.vertices.T
     per_level, stations = len(rho), len(lattice.points) // len(rho)

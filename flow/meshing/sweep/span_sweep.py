@@ -62,10 +62,10 @@ def find_spans(surface, tree, slicer, disc):
 
 
 def sweep_span(span, slicer, disc, settings, coarsening):
-    """Places the stations of a span and builds its lattice, with further stations where tetrahedra are turned over.
+    """Places the stations of a span and builds its lattice, with further stations where tetrahedra are inverted.
 
     coarsening: factor of the distance of the stations. The lattice stays None if a section is not star-shaped, or if
-    tetrahedra stay turned over.
+    tetrahedra stay inverted.
     """
     branch = span.axis.branch
     station_s = stations.place_stations(branch, settings, span.start_mm, span.end_mm, coarsening)
@@ -82,7 +82,7 @@ def sweep_span(span, slicer, disc, settings, coarsening):
             return
         station_s = np.sort(np.concatenate([station_s, 0.5 * (station_s[inverted] + station_s[inverted + 1])]))
     stretch = f"{branch.name} {span.start_mm:.1f}-{span.end_mm:.1f} mm"
-    print(f"{stretch}: swept cells stay turned over, meshed as a junction", file=sys.stderr, flush=True)
+    print(f"{stretch}: swept cells stay inverted, meshed as a junction", file=sys.stderr, flush=True)
 
 
 def shorten_spans(all_spans, ends, radii):

@@ -7,6 +7,7 @@ from reports.measuring.stent_edges import RUPTURE_STRETCH
 from reports.page.verdict.words import ffr_computed, significant
 from reports.selection.patients import LOW_FFR_AFTER
 
+FOLDED_WALL = "the wall is folded: "  # how this warning of the engine begins (vci/results/readouts.cpp)
 MOST_NAMED = 5  # cases that a warning names; the others are counted
 
 
@@ -18,6 +19,7 @@ def warning_groups(contexts):
     kinds = {
         "FFR not known to be within the flow's tolerance": tolerance_detail,
         "flow with artificial viscosity": lambda context: ", ".join(SHORT_LABELS[one] for one in context["modified"]),
+        "wall folded by the deployment": folded_detail,
         f"expansion index below {LEAST_EXPANSION:g}": expansion_detail,
         f"malapposition beyond {LARGEST_MALAPPOSITION_MM:g} mm": malapposition_detail,
         f"wall stretched beyond {RUPTURE_STRETCH:g} at a stent's edge": edge_detail,
@@ -35,9 +37,9 @@ def warning_groups(contexts):
 def no_warning_text():
     """A sentence that lists what was looked for, for a study without any warning of `warning_groups`."""
     return (
-        f"None: each FFR is within the flow's tolerance, no expansion index is below {LEAST_EXPANSION:g}, no"
-        f" malapposition beyond {LARGEST_MALAPPOSITION_MM:g} mm, no wall stretched beyond {RUPTURE_STRETCH:g} at a"
-        f" stent's edge, no FFR after PCI below {LOW_FFR_AFTER:.2f}."
+        "None: each FFR is within the flow's tolerance, no wall is folded, no expansion index is below"
+        f" {LEAST_EXPANSION:g}, no malapposition beyond {LARGEST_MALAPPOSITION_MM:g} mm, no wall stretched beyond"
+        f" {RUPTURE_STRETCH:g} at a stent's edge, no FFR after PCI below {LOW_FFR_AFTER:.2f}."
     )
 
 
@@ -46,6 +48,13 @@ def tolerance_detail(context):
     errors = {state: row["error"] for state, row in context["flow"].items() if not row["solution"].get("tolerance_met")}
     texts = {state: "unknown" if error is None else significant(error) for state, error in errors.items()}
     return ", ".join(f"{SHORT_LABELS[state]} ± {text}" for state, text in texts.items())
+
+
+def folded_detail(context):
+    """What the engine says of a wall whose triangles cross: "7 pairs of its triangles cross"; empty if none do."""
+    warnings = (context["deployment"] or {}).get("warnings", [])
+    found = next((text for text in warnings if text.startswith(FOLDED_WALL)), "")
+    return found.removeprefix(FOLDED_WALL).partition(",")[0]
 
 
 def expansion_detail(context):

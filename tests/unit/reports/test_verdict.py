@@ -231,6 +231,8 @@ def test_what_puts_a_result_in_doubt_is_named_with_its_patients():
     low = with_truth("low", 1, vci=-0.105, expansion=0.57, gap=0.46, tolerance_met=False, modified=["pre"])
     low["flow"]["pre"]["error"] = None
     low["stent_edges"] += [{"largest_stretch": stretch, "beyond_limit": True} for stretch in (1.52, 1.61)]
+    folded = "the wall is folded: 7 pairs of its triangles cross, first at (2.8, 30.3, 1.8) mm; do not trust areas"
+    low["deployment"]["warnings"] = ["malapposition: a stent stands 0.46 mm off the wall", folded]
     edge = with_truth("edge", 1, after=0.905, expansion=LEAST_EXPANSION, gap=LARGEST_MALAPPOSITION_MM)
     line = lines_of(low, edge)["Warnings"]
     found = {one["what"]: {case["name"]: case["detail"] for case in one["cases"]} for one in line["warnings"]}
@@ -239,6 +241,7 @@ def test_what_puts_a_result_in_doubt_is_named_with_its_patients():
             "low": "before ± unknown, VCI ± 0.0010, radius correction ± 0.0010, reference ± 0.0010"
         },
         "flow with artificial viscosity": {"low": "before"},
+        "wall folded by the deployment": {"low": "7 pairs of its triangles cross"},
         "expansion index below 0.6": {"low": "0.57"},
         "malapposition beyond 0.4 mm": {"low": "0.46 mm"},
         "wall stretched beyond 1.5 at a stent's edge": {"low": "1.61"},
