@@ -92,6 +92,19 @@ def test_an_estimate_is_judged_by_the_next_finer_mesh(tmp_path):
     assert lines[5] == "| trees, answers | next finer mesh | 2 | 1 | 0.4 |", "a state without a finer flow is left out"
 
 
+def test_an_audit_says_whether_the_steady_answer_is_the_mean(tmp_path):
+    keys = {"ffr_steady": 0.7253, "ffr_mean": 0.7239, "ffr_mean_half_width_95": 0.0002, "ffr_least": 0.7224}
+    keys |= {"ffr_most": 0.7254, "time_units": 20.0, "start_up_units": 3.2, "steps": 700, "agrees": True}
+    path = tmp_path / "cases" / "lcx01" / "flow" / "pre" / "audit.json"
+    assert measured_tables.audit(tmp_path) is None
+    path.parent.mkdir(parents=True)
+    path.write_text(json.dumps(keys))
+    row = "| lcx01 | pre | 0.7253 | 0.7239 ± 0.0002 | 0.7224 | 0.7254 | 20 | 3 | 700 | yes |"
+    assert measured_tables.audit(tmp_path).splitlines()[2] == row
+    path.write_text(json.dumps(keys | {"agrees": None}))
+    assert measured_tables.audit(tmp_path).splitlines()[2].endswith("| not settled |")
+
+
 def _write_finer(folder):
     path = folder / "benchmarks" / "flow_finer_mesh" / "finer_mesh.csv"
     path.parent.mkdir(parents=True)

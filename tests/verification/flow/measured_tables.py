@@ -3,7 +3,7 @@
     /usr/bin/python3 tests/verification/flow/measured_tables.py results
 
 A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`. NAME is the folder of a benchmark, `study`,
-`coverage`, `reach` or `meshes`. A table stays as it is if its results do not exist.
+`coverage`, `reach`, `meshes`, `reduced_models` or `audit`. A table stays as it is if its results do not exist.
 """
 
 import csv
@@ -124,6 +124,8 @@ STUDY, COVERAGE = "study", "coverage"
 STUDY_COLUMNS = ("case", "FFR before", "estimate", "eps", "of it by eps", "grad-div, %", "CPU s")
 STUDY_COLUMNS += ("estimate after", "CPU s after", "MiB")
 COVERAGE_COLUMNS = ("estimates of", "against", "number", "not below the error", "least over the error")
+AUDIT_COLUMNS = ("case", "state", "steady FFR", "mean in time", "least", "largest", "units", "of them start-up")
+AUDIT_COLUMNS += ("steps", "steady within .005 of the mean")
 USED_KEYS = (
     "ffr",
     "energy",
@@ -225,6 +227,20 @@ def coverage_row(what, against, pairs):
     return [[what, against, f"{len(ratios)}", f"{enough}", f"{min(ratios):.1f}"]] if ratios else []
 
 
+def audit(results):
+    """Markdown with a row for each state that was marched in time (`flow audit`); None if none was."""
+    rows = []
+    for path in sorted((results / "cases").glob("*/flow/*/audit.json")):
+        found = json.loads(path.read_text())
+        row = [path.parts[-4], path.parts[-2], f"{found['ffr_steady']:.4f}"]
+        row.append(f"{found['ffr_mean']:.4f} ± {found['ffr_mean_half_width_95']:.4f}")
+        row += [f"{found[key]:.4f}" for key in ("ffr_least", "ffr_most")]
+        row += [f"{found['time_units']:.0f}", f"{found['start_up_units']:.0f}"]
+        row += [f"{found['steps']}", {True: "yes", False: "no", None: "not settled"}[found["agrees"]]]
+        rows.append(row)
+    return markdown(AUDIT_COLUMNS, rows) if rows else None
+
+
 def reach(results):
     """Markdown: the aims for the solver beside what was found; None without a study."""
     return reach_tables.reach(results, answers(results))
@@ -240,7 +256,14 @@ def reduced_models(results):
     return reach_tables.reduced_models(answers(results))
 
 
-FUNCTIONS = {STUDY: study, COVERAGE: coverage, "reach": reach, "meshes": meshes, "reduced_models": reduced_models}
+FUNCTIONS = {
+    STUDY: study,
+    COVERAGE: coverage,
+    "reach": reach,
+    "meshes": meshes,
+    "reduced_models": reduced_models,
+    "audit": audit,
+}
 PAGE = Page("flow", TABLES, DIGITS, FUNCTIONS)
 
 if __name__ == "__main__":
