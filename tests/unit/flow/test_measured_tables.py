@@ -99,7 +99,7 @@ def test_an_audit_says_whether_the_steady_answer_is_the_mean(tmp_path):
     assert measured_tables.audit(tmp_path) is None
     path.parent.mkdir(parents=True)
     path.write_text(json.dumps(keys))
-    row = "| lcx01 | pre | 0.7253 | 0.7239 ± 0.0002 | 0.7224 | 0.7254 | 20 | 3 | 700 | yes |"
+    row = "| lcx01 | pre | 0.7253 | 0.7239 ± 0.0002 | 0.7224 | 0.7254 | 20 | 3.2 | 700 | yes |"
     assert measured_tables.audit(tmp_path).splitlines()[2] == row
     path.write_text(json.dumps(keys | {"agrees": None}))
     assert measured_tables.audit(tmp_path).splitlines()[2].endswith("| not settled |")

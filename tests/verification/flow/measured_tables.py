@@ -235,7 +235,7 @@ def audit(results):
         row = [path.parts[-4], path.parts[-2], f"{found['ffr_steady']:.4f}"]
         row.append(f"{found['ffr_mean']:.4f} ± {found['ffr_mean_half_width_95']:.4f}")
         row += [f"{found[key]:.4f}" for key in ("ffr_least", "ffr_most")]
-        row += [f"{found['time_units']:.0f}", f"{found['start_up_units']:.0f}"]
+        row += [f"{found['time_units']:.0f}", f"{found['start_up_units']:.1f}"]
         row += [f"{found['steps']}", {True: "yes", False: "no", None: "not settled"}[found["agrees"]]]
         rows.append(row)
     return markdown(AUDIT_COLUMNS, rows) if rows else None
