@@ -21,9 +21,10 @@ def deploy(binary, scene, out):
     return subprocess.run(command, text=True, capture_output=True, timeout=200)
 
 
-def scene_with(folder, fine, coarse, name="scene.json"):
+def scene_with(folder, fine, coarse, name="scene.json", numerics=None):
     """A scene of the lumen `fine`. Unless `coarse` is None, the lumen of this tube is its `coarse_lumen`."""
-    path = scenes.write_scene(folder / "fine", fine, length=8.0, numerics={"device_edge_mm": 0.8})
+    numerics = {"device_edge_mm": 0.8} | (numerics or {})
+    path = scenes.write_scene(folder / "fine", fine, length=8.0, numerics=numerics)
     document = json.loads(path.read_text())
     if coarse:
         scenes.write_geometry(folder / "coarse", coarse)
@@ -51,10 +52,19 @@ def areas(folder):
     return np.array([row["area_mm2"] for row in outcome(folder)["csa_profile"]])
 
 
-def test_areas_are_those_of_the_fine_lumen(runs):
-    alone, carried = map(areas, runs)
+def test_areas_are_those_of_the_fine_lumen(binary, runs, tmp_path):
+    """Means over three first steps of the solver: by them the smallest area of one run varies by 0.8 %."""
+    found = [tuple(map(areas, runs))]
+    for step in (0.28, 0.32):
+        folders = [tmp_path / f"{name}_{step}" for name in ("alone", "carried")]
+        for folder, coarse in zip(folders, (None, COARSE)):
+            scene = scene_with(folder, FINE, coarse, numerics={"initial_step_ms": step})
+            result = deploy(binary, scene, folder / "out")
+            assert result.returncode == 0, result.stderr[-500:]
+        found.append(tuple(areas(folder / "out") for folder in folders))
+    alone, carried = (np.array([pair[k] for pair in found]) for k in (0, 1))
     assert carried.mean() == pytest.approx(alone.mean(), rel=0.01)
-    assert carried.min() == pytest.approx(alone.min(), rel=0.01)
+    assert carried.min(axis=1).mean() == pytest.approx(alone.min(axis=1).mean(), rel=0.01)
 
 
 def test_the_fine_surface_is_written_and_the_coarse_one_beside_it(runs):

@@ -147,13 +147,19 @@ def test_predilatation_alone_ends_between_initial_and_inflated(deploy):
     assert 1.1 * before < after < 0.95 * np.pi / 4 * 2.81**2
 
 
+FIRST_STEPS_MS = (0.28, 0.3, 0.32)  # one run's mean area depends on the solver's first step by up to 0.6 %
+
+
 def test_a_moved_or_mirrored_scene_gives_the_same_areas(deploy):
-    """The device grids turn with the frame, so the results cannot be equal to the bit."""
+    """The device grids turn with the frame, so the results cannot be equal to the bit. Means over FIRST_STEPS_MS."""
     turn = vtk.vtkTransform()
     turn.RotateWXYZ(70, 1, 2, -0.5)
     rotation = np.array([[turn.GetMatrix().GetElement(i, j) for j in range(3)] for i in range(3)])
     places = ({}, {"moved": (rotation, np.array([5.0, -20.0, 8.0]))}, {"mirrored": True})
-    original, moved, mirrored = (areas(deploy(**place)).mean() for place in places)
+    original, moved, mirrored = (
+        np.mean([areas(deploy(numerics={"initial_step_ms": step}, **place)).mean() for step in FIRST_STEPS_MS])
+        for place in places
+    )
     assert moved == pytest.approx(original, rel=0.005)
     assert mirrored == pytest.approx(original, rel=0.005)
 
