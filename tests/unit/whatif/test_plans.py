@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from whatif import risks, plans
+from whatif import plans, risks
 
 
 def test_areas_of_every_plan_are_measured_along_the_planned_segment(monkeypatch):

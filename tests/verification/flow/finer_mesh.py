@@ -27,12 +27,23 @@ def read(path):
     return json.loads(path.read_text())
 
 
+def anatomy_of(state):
+    """Folder of the anatomy of a state's lumen. state: folder of its flow."""
+    case = state.parents[1]
+    return case / "anatomy" if state.name == "pre" else case / state.name / "anatomy"
+
+
+def meshes_of(state):
+    """Names of the meshes that `flow mesh` made of a state, the coarsest first; it may leave out coarser ones."""
+    return [mesh for mesh in MESHES if (state / mesh).stat().st_size]
+
+
 def finer_row(state, out):
     """Row of the table. state: folder of the solved state; out: folder for the finer mesh and its flow."""
     case, answer, report = state.parents[1], read(state / "ffr.json"), read(state / "mesh.json")
-    anatomy = case / "anatomy" if state.name == "pre" else case / state.name / "anatomy"
+    anatomy = anatomy_of(state)
     line, settings = anatomy / "centreline.vtp", ["--settings", case / "settings" / "flow.json"]
-    made = [mesh for mesh in MESHES if (state / mesh).stat().st_size]  # `flow mesh` may leave out coarser ones
+    made = meshes_of(state)
     rings = {mesh: part["rings"] for mesh, part in zip(made, [*report.get("coarse", []), report])}
     number = made.index(answer["mesh"])
     passed = [state / mesh for mesh in made[: number + 1]]
@@ -74,23 +85,26 @@ def finer_row(state, out):
 
 
 @guarded
-def main():
-    """Solves all states on the next finer mesh and updates the table after each."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def run_states(description, file, columns, row_of):
+    """Command line of a benchmark with a row for each state: updates the table after each, and keeps other rows.
+
+    file: name of the table; row_of(state, out) -> row (dict) of a state's folder, `state` its name.
+    """
+    parser = argparse.ArgumentParser(description=description)
     parser.add_argument("states", nargs="+", type=pathlib.Path, metavar="STATE")
     parser.add_argument("--out", required=True, type=pathlib.Path)
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
-    table, rows = arguments.out / "finer_mesh.csv", {}
+    table, rows = arguments.out / file, {}
     if table.is_file():
-        with table.open(newline="") as file:
-            rows = {row["state"]: row for row in csv.DictReader(file)}
+        with table.open(newline="") as stored:
+            rows = {row["state"]: row for row in csv.DictReader(stored)}
     for state in arguments.states:
-        row = finer_row(state.resolve(), arguments.out.resolve())
+        row = row_of(state.resolve(), arguments.out.resolve())
         print(row, flush=True)
         rows[row["state"]] = row
-        growth.write(table, COLUMNS, [rows[key] for key in sorted(rows)])
+        growth.write(table, columns, [rows[key] for key in sorted(rows)])
 
 
 if __name__ == "__main__":
-    main()
+    run_states(__doc__.splitlines()[0], "finer_mesh.csv", COLUMNS, finer_row)

@@ -3,10 +3,10 @@
 STATE is results/cases/<case>/flow/<state>, with the meshes of `flow mesh`. Each state is solved from rest, from the
 flow of the reduced models where the solver uses it, and from the flow of the state `vci` where the study does so.
 Writes DIR/starts.csv, a row for each state: factorizations and CPU seconds of each way, and by how much FFR of the
-other ways differs from that from rest. An empty cell: the way is not used in this state.
+other ways differs from that from rest. An empty cell: the way is not used in this state. Rows of earlier runs stay
+unless they are run again.
 """
 
-import argparse
 import json
 import pathlib
 import sys
@@ -14,10 +14,8 @@ import sys
 sys.path[:0] = [str(pathlib.Path(__file__).parent), str(pathlib.Path(__file__).resolve().parents[3])]
 
 import growth  # noqa: E402
+from finer_mesh import anatomy_of, meshes_of, run_states  # noqa: E402
 
-from common.errors import guarded  # noqa: E402
-
-MESHES = ("mesh_coarsest.msh", "mesh_coarse.msh", "mesh.msh")  # of the study, the coarsest first
 WAYS = ("rest", "reduced", "vci")
 COLUMNS = ("state", *(f"{way}_{key}" for way in WAYS for key in ("factorizations", "cpu_s")), "difference")
 # Newton's method from the reduced models' flow is what `flow solve` tries first; here it is switched off.
@@ -33,12 +31,10 @@ SAID_FROM_REDUCED = "from the reduced models' flow"  # in the log of a solve tha
 def solved(state, folder, *options, program=("-m", "flow")):
     """(ffr.json, the log's text) of one solve of a state's meshes. folder: for its files."""
     folder.mkdir(parents=True, exist_ok=True)
-    case = state.parents[1]
-    anatomy = case / "anatomy" if state.name == "pre" else case / state.name / "anatomy"
-    made = [state / mesh for mesh in MESHES if (state / mesh).stat().st_size]  # `flow mesh` may leave out coarser ones
+    made = [state / mesh for mesh in meshes_of(state)]
     files = [made[-1], "--coarse", *made[:-1], "--boundary", state.parent / "boundary.json"]
-    files += ["--centreline", anatomy / "centreline.vtp", "--mesh-report", state / "mesh.json"]
-    chosen = ["--settings", case / "settings" / "flow.json", *options]
+    files += ["--centreline", anatomy_of(state) / "centreline.vtp", "--mesh-report", state / "mesh.json"]
+    chosen = ["--settings", state.parents[1] / "settings" / "flow.json", *options]
     growth.command(folder, "solve", *files, *chosen, "--out", ".", program=program)
     return json.loads((folder / "ffr.json").read_text()), (folder / "solve.log").read_text()
 
@@ -63,23 +59,8 @@ def row_of(state, out):
         started, _ = solved(state, out / f"{name}_vci", "--start", state.parent / "vci", centreline)
         row |= costs("vci", started)
         found.append(started["ffr"])
-    return row | {"difference": f"{max((abs(ffr - rest['ffr']) for ffr in found), default=0):.1e}" if found else ""}
-
-
-@guarded
-def main():
-    """Solves all states in each way, and writes the table after each state."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("states", nargs="+", type=pathlib.Path, metavar="STATE")
-    parser.add_argument("--out", required=True, type=pathlib.Path)
-    arguments = parser.parse_args()
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    rows = []
-    for state in arguments.states:
-        rows.append(row_of(state.resolve(), arguments.out.resolve()))
-        print(rows[-1], flush=True)
-        growth.write(arguments.out / "starts.csv", COLUMNS, rows)
+    return row | ({"difference": f"{max(abs(ffr - rest['ffr']) for ffr in found):.1e}"} if found else {})
 
 
 if __name__ == "__main__":
-    main()
+    run_states(__doc__.splitlines()[0], "starts.csv", COLUMNS, row_of)
