@@ -31,8 +31,8 @@ def rank_plans(case, devices_folder, states):
     """(DataFrame of ranking.csv, {plan: steps as a case file lists them}) of a case (whatif.case.Case).
 
     states: states with a 3D answer, which calibrate the network and give its error. First come the plans as good as the
-    best (`sort_by_rank`): those that are not oversized before the others, the largest stent area first. Then come the
-    other plans by FFR. Last come plans without an answer; their `status` says why.
+    best (`sort_by_rank`): those that are not oversized, the largest stent area first, then the oversized, the widest
+    last. Then come the other plans by FFR. Last come plans without an answer; their `status` says why.
     """
     families, calibration = config.load_devices(devices_folder), calibrated.calibrate(case, states)
     steps = alternatives.case_steps(case.scene)
@@ -53,12 +53,13 @@ def sort_by_rank(table, error):
     """The rows of ranking.csv sorted by rank, with the columns rank, ffr_error and as_good_as_best.
 
     error: error of each FFR. A plan is as good as the best unless their FFRs differ by more than both errors together.
-    Among plans as good as the best an oversized one comes behind the others, however large its area.
+    Among plans as good as the best an oversized one comes behind the others, however large its area, the widest last.
     """
     table = table.assign(ffr_error=np.where(table["ffr"].notna(), error, np.nan))
     table["as_good_as_best"] = table["ffr"].max() - table["ffr"] <= 2 * error
-    good, too_wide = table["as_good_as_best"], table["oversized"].fillna(False).astype(bool)
-    keys = {"fits": good & ~too_wide, "area": table["minimal_stent_area_mm2"].astype(float).where(good)}
+    good = table["as_good_as_best"]
+    excess = (table["balloon_to_artery"].astype(float) - risks.LARGEST_RATIO).clip(lower=0).fillna(0)
+    keys = {"fit": -excess.where(good), "area": table["minimal_stent_area_mm2"].astype(float).where(good)}
     table = table.assign(**keys).sort_values(
         ["as_good_as_best", *keys, "ffr", "plan"], ascending=[False, False, False, False, True], na_position="last"
     )

@@ -51,14 +51,21 @@ def test_a_stent_counts_by_its_balloon_and_the_widest_inflation_decides():
 
 
 def test_an_oversized_plan_comes_behind_those_that_fit_unless_they_are_worse():
-    columns = ["plan", "ffr", "minimal_stent_area_mm2", "oversized"]
-    rows = [("larger", 0.90, 9.0, True), ("planned", 0.90, 7.0, False), ("shorter", 0.89, 7.5, False)]
-    rows += [("worse", 0.80, 8.0, False), ("impossible", np.nan, np.nan, np.nan)]
+    columns = ["plan", "ffr", "minimal_stent_area_mm2", "balloon_to_artery"]
+    rows = [("larger", 0.90, 9.0, 1.2), ("planned", 0.90, 7.0, 1.1), ("shorter", 0.89, 7.5, 0.9)]
+    rows += [("worse", 0.80, 8.0, 1.0), ("impossible", np.nan, np.nan, np.nan)]
     ranked = plans.sort_by_rank(pd.DataFrame(rows, columns=columns), 0.01)
     assert list(ranked["plan"]) == ["shorter", "planned", "larger", "worse", "impossible"]
     assert list(ranked["rank"][:4]) == [1, 2, 3, 4] and ranked["rank"].isna().iloc[4]
     table = pd.DataFrame([rows[0], *rows[3:]], columns=columns)
     assert list(plans.sort_by_rank(table, 0.01)["plan"]) == ["larger", "worse", "impossible"]
+
+
+def test_where_every_plan_is_oversized_the_widest_comes_last():
+    columns = ["plan", "ffr", "minimal_stent_area_mm2", "balloon_to_artery"]
+    rows = [("larger", 0.90, 6.8, 1.33), ("planned", 0.90, 6.0, 1.24), ("smaller", 0.90, 5.2, 1.14)]
+    ranked = plans.sort_by_rank(pd.DataFrame(rows, columns=columns), 0.01)
+    assert list(ranked["plan"]) == ["smaller", "planned", "larger"]
 
 
 def narrowed(area_mm2, branch="side1", start=3.0):
