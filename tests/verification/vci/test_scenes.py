@@ -238,18 +238,16 @@ def test_areas_do_not_depend_on_the_first_step(deploy):
 def test_areas_converge_with_the_step(deploy):
     """Compared with steps of 0.03 mm, the error falls in proportion to the step; it is below 1 % at the default, 0.12.
 
-    Steps of 0.16 mm are as good. With longer steps the areas scatter: the mean by 0.4 to 0.8 % at 0.17 to 0.2 mm, and
-    by up to 2.5 % beyond 0.2 mm, which is two fifths of an edge.
+    Longer steps scatter. With 0.16 mm and seven first steps of 0.27 to 0.34 ms the mean area is 0.1 to 0.8 % too large,
+    the smallest 0.4 to 1.1 %. At the default the mean area is off by at most 0.1 %, the smallest by 0.3 to 0.9 %.
     """
     area = {
         step: areas(deploy(stenosis=0.6, eccentricity=0.8, numerics={"displacement_per_step_mm": step}))
-        for step in (0.03, 0.06, 0.09, 0.12, 0.16)
+        for step in (0.03, 0.06, 0.09, 0.12)
     }
     for step in (0.06, 0.09, 0.12):
         assert area[step].mean() == pytest.approx(area[0.03].mean(), rel=0.02 * step)
         assert area[step].min() == pytest.approx(area[0.03].min(), rel=0.08 * step)
-    assert area[0.16].mean() == pytest.approx(area[0.03].mean(), rel=0.005)
-    assert area[0.16].min() == pytest.approx(area[0.03].min(), rel=0.01)
 
 
 def test_same_input_same_bits(deploy):
