@@ -1,4 +1,5 @@
 #include "core/slices.hpp"
+#include <limits>
 
 namespace anatomy {
 namespace {
@@ -22,6 +23,23 @@ double signed_area(const std::vector<Vec2>& loop) {
     area += 0.5 * (a.x() * b.y() - a.y() * b.x());
   }
   return area;
+}
+
+double least_extent(const std::vector<Vec2>& points) {
+  if (points.empty())
+    return 0;
+  constexpr int directions = 72; // every 2.5 degrees
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < directions; ++k) {
+    const Vec2 along(std::cos(k * pi / directions), std::sin(k * pi / directions));
+    double low = points[0].dot(along), high = low;
+    for (const Vec2& p : points) {
+      low = std::min(low, p.dot(along));
+      high = std::max(high, p.dot(along));
+    }
+    least = std::min(least, high - low);
+  }
+  return least;
 }
 
 Slices::Slices(const Mesh& mesh) : tree_(mesh.edges().begin(), mesh.edges().end(), mesh), slicer_(mesh, tree_) {}
@@ -58,6 +76,7 @@ SectionSize Slices::section_size(const PlaneFrame& frame) const {
     out.reach = std::max(out.reach, loop.back().norm());
   }
   out.area = std::abs(signed_area(loop));
+  out.width = least_extent(loop);
   return out;
 }
 

@@ -21,10 +21,16 @@ struct PlaneFrame {
 /// Area (mm2) within a closed loop of points in mm; positive if the loop runs anticlockwise.
 double signed_area(const std::vector<Vec2>& loop);
 
-/// The size of a section: its area (mm2), and its reach (mm), the distance from the frame's origin to the farthest
-/// point. Both are 0 if no loop surrounds the origin.
+/// The least extent (mm) of some points over all directions in their plane: the distance of the nearest two parallel
+/// lines that hold the points between them, to 0.1 %. It is 0 without points.
+double least_extent(const std::vector<Vec2>& points);
+
+/// The size of a section. All are 0 if no loop surrounds the origin.
 struct SectionSize {
-  double area = 0, reach = 0;
+  double area = 0;  ///< mm2
+  double reach = 0; ///< mm, distance from the frame's origin to the farthest point
+  double width =
+      0; ///< mm, minor axis of the ellipse with the section's second moments; an oblique cut leaves it as it is
 };
 
 /// Cuts a mesh by planes. The mesh must outlive this object.
@@ -34,7 +40,7 @@ public:
   /// The closed loop in which the frame's plane cuts the mesh round the frame's origin, as points in space (mm). Of
   /// several such loops it is the one of the smallest area. It is empty if there is none.
   std::vector<Vec3> loop_around(const PlaneFrame& frame) const;
-  /// Area and reach of the loop that loop_around returns.
+  /// Size of the loop that loop_around returns.
   SectionSize section_size(const PlaneFrame& frame) const;
 
 private:

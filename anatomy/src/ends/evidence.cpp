@@ -10,10 +10,11 @@ namespace {
 using FacePrimitive = CGAL::AABB_face_graph_triangle_primitive<Mesh>;
 using FaceTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, FacePrimitive>>;
 
-// Largest ratio between the areas of a flat part and of the section behind it, if the part is an end. It allows a
-// vessel that widens or narrows by 40 degrees on each side.
-constexpr double largest_area_ratio = 2;
-// Largest ratio of the section's area to the flat part's on a rough surface. One plane may hold only a piece of a cap.
+// Largest ratio between the squared widths of a flat part and of the section behind it, if the part is an end. It
+// allows a vessel that widens or narrows by 40 degrees on each side.
+constexpr double largest_size_ratio = 2;
+// Largest ratio of the section's squared width to the flat part's on a rough surface. One plane may hold only a piece
+// of a cap.
 constexpr double rough_part_ratio = 1.25;
 constexpr double most_flat_height = 0.07; // largest height difference of a flat part's vertices, in its diameters
 constexpr double cos_tilt = 0.5;          // cosine of the largest tilt, 60 degrees
@@ -41,12 +42,12 @@ std::string no_end_reason(const PatchPlane& plane, const EndEvidence& evidence, 
     return "a facet of the wall: narrower than the vessel behind it";
   if (plane.highest - plane.lowest > 2 * most_flat_height * std::sqrt(plane.area / pi))
     return "not flat";
-  if (evidence.section_area <= 0)
+  if (evidence.section.area <= 0)
     return "no vessel behind it";
-  if (evidence.section_area > largest_area_ratio * plane.area ||
-      plane.area > largest_area_ratio * evidence.section_area)
+  const double size_ratio = evidence.section.width * evidence.section.width / (plane.extent * plane.extent);
+  if (size_ratio > largest_size_ratio || size_ratio < 1 / largest_size_ratio)
     return "the vessel half a radius behind it is of another size";
-  if (rough && evidence.section_area > rough_part_ratio * plane.area)
+  if (rough && size_ratio > rough_part_ratio)
     return "only a part of a rough end";
   if (evidence.tilt > std::acos(cos_tilt) * 180 / pi)
     return "along the vessel, not across it";
@@ -99,11 +100,7 @@ EndEvidence VesselProbe::evidence(const std::vector<Face>& patch, const PatchPla
   if (plane.width < least_width * 2 * out.sphere_radius)
     return out;
   const double depth = section_depth_radii * std::sqrt(plane.area / pi);
-  const PlaneFrame frame(plane.centre - depth * plane.normal, plane.normal);
-  std::vector<Vec2> loop;
-  for (const Vec3& p : search_trees_->slices.loop_around(frame))
-    loop.push_back(frame.plane(p));
-  out.section_area = std::abs(signed_area(loop));
+  out.section = search_trees_->slices.section_size({plane.centre - depth * plane.normal, plane.normal});
   out.tilt = tilt(patch, plane);
   return out;
 }

@@ -7,16 +7,16 @@
 namespace anatomy {
 
 /// What is measured at a flat part to decide whether it is an end. An end is about as wide as the largest sphere that
-/// fits behind it. The section half a radius behind it has about the same area. The wall behind it runs along its
-/// normal.
+/// fits behind it. The section half a radius behind it has about the same width: the least extent over all directions,
+/// which a bend does not change. The wall behind it runs along its normal.
 struct EndEvidence {
   double sphere_radius = 0; ///< mm, radius of the largest sphere inside the lumen that touches the part at its centre
-  double section_area = 0;  ///< mm2, area of the lumen half a radius behind the part; 0 if there is none
+  SectionSize section;      ///< of the lumen half a radius behind the part
   double tilt = 90;         ///< degrees between the part's normal and the axis of the wall within a radius behind it
 };
 
 /// Why a flat part is no end, as text for the user; empty if it is an end. `rough` says that the surface is too rough
-/// for one plane to hold a whole cap. Then the part must also have at least 0.8 of the section's area. A smaller part
+/// for one plane to hold a whole cap. Then the part must also have at least 0.9 of the section's width. A smaller part
 /// would make the end too small, and the rest of the cap would become wall.
 std::string no_end_reason(const PatchPlane& plane, const EndEvidence& evidence, bool rough);
 

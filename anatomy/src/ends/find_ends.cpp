@@ -284,7 +284,7 @@ void cut_rims(Mesh& mesh, std::vector<CandidatePlace>& places, std::vector<Repai
     if (one.candidate.kind != CandidateKind::flat || !one.candidate.is_end)
       continue;
     const PatchPlane end = plane_of(mesh, one.faces);
-    if (const auto plane = plane_behind_rim(slices, end, one.candidate.evidence.section_area)) {
+    if (const auto plane = plane_behind_rim(slices, end)) {
       cuts.emplace_back(*plane, mesh.target(mesh.halfedge(one.faces.front())));
       one.candidate.diameter = 2 * std::sqrt(slices.section_size({plane->centre, plane->normal}).area / pi);
       one.candidate.why += ", behind its rounded rim";
@@ -383,8 +383,8 @@ std::string table_of(const std::vector<EndCandidate>& candidates) {
     text += line;
     if (one.kind == CandidateKind::rounded)
       std::snprintf(line, sizeof line, "%15s %12s %5s", "-", "-", "-");
-    else if (one.evidence.section_area > 0)
-      std::snprintf(line, sizeof line, "%15.2f %12.2f %5.0f", 2 * one.evidence.sphere_radius, one.evidence.section_area,
+    else if (one.evidence.section.area > 0)
+      std::snprintf(line, sizeof line, "%15.2f %12.2f %5.0f", 2 * one.evidence.sphere_radius, one.evidence.section.area,
                     one.evidence.tilt);
     else
       std::snprintf(line, sizeof line, "%15.2f %12s %5s", 2 * one.evidence.sphere_radius, "-", "-");
@@ -402,7 +402,7 @@ nlohmann::ordered_json document_of(const std::vector<EndCandidate>& candidates) 
                                       {"diameter_mm", one.diameter},
                                       {"off_plane_mm", one.off_plane},
                                       {"ball_diameter_mm", 2 * one.evidence.sphere_radius},
-                                      {"section_mm2", one.evidence.section_area},
+                                      {"section_mm2", one.evidence.section.area},
                                       {"is_end", one.is_end},
                                       {"why", one.why}});
   return document;

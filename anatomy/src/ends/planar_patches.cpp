@@ -1,5 +1,6 @@
 #include "ends/planar_patches.hpp"
 #include "core/faces.hpp"
+#include "core/slices.hpp"
 #include <algorithm>
 #include <numeric>
 
@@ -50,12 +51,14 @@ PatchPlane plane_of(const Mesh& mesh, const std::vector<Face>& faces) {
   plane.normal = total / plane.area;
   Eigen::Matrix2d moments = Eigen::Matrix2d::Zero();
   const Vec3 u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
+  std::vector<Vec2> corners_in_plane;
   for (Face f : faces) {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     Eigen::Matrix2d corners = Eigen::Matrix2d::Zero();
     for (Vertex w : mesh.vertices_around_face(mesh.halfedge(f))) {
       const Vec3 d = vec(mesh.point(w)) - plane.centre;
       const Eigen::Vector2d p(d.dot(u), d.dot(v));
+      corners_in_plane.push_back(p);
       sum += p;
       corners += p * p.transpose();
       plane.lowest = std::min(plane.lowest, d.dot(plane.normal));
@@ -65,6 +68,7 @@ PatchPlane plane_of(const Mesh& mesh, const std::vector<Face>& faces) {
     moments += area_vector(mesh, f).norm() / 12 * (sum * sum.transpose() + corners);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(moments / weight);
+  plane.extent = least_extent(corners_in_plane);
   plane.width = 4 * std::sqrt(std::max(axes.eigenvalues()[0], 0.0));
   return plane;
 }

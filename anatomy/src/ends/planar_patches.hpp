@@ -14,6 +14,7 @@ struct PatchPlane {
   Vec3 centre = Vec3::Zero(), normal = Vec3::Zero(); ///< centroid (mm); mean normal, unit, outward
   double area = 0;                                   ///< mm2, area projected on the plane
   double width = 0;                                  ///< mm, minor axis of the ellipse with the faces' second moments
+  double extent = 0;                                 ///< mm, least extent of the faces over all directions in the plane
   double lowest = 0, highest = 0;                    ///< mm, smallest and largest height of a vertex over the plane
 };
 PatchPlane plane_of(const Mesh& mesh, const std::vector<Face>& faces);

@@ -193,6 +193,16 @@ def test_a_flat_end_whose_rim_was_smoothed_is_as_wide_as_its_vessel(summary_of, 
         assert abs(end["centre_mm"][0] - at) < 1.3 and end["diameter_mm"] == pytest.approx(diameter, rel=0.07)
 
 
+@pytest.mark.parametrize("curvature", [0.15, 0.3, 0.36])
+def test_a_flat_end_of_a_bent_vessel_has_no_rounded_rim(summary_of, tmp_path, curvature):
+    """Parallel planes behind such an end cut the bend obliquely, so their sections grow. Nothing may be cut off."""
+    points, triangles = surfaces.tube(surfaces.arc(curvature), lambda s: np.full_like(s, 2.5), 14, 0.3)
+    summary = summary_of(surfaces.write(tmp_path / "t.stl", points, triangles))
+    assert reported(summary, "rounded rim of a flat end cut off") == 0
+    for end in summary["ends"]:
+        assert end["area_mm2"] == pytest.approx(np.pi * 2.5**2, rel=0.01)
+
+
 @pytest.mark.parametrize("angle, told", [(0.9, False), (np.pi - 0.9, True), (np.radians(112), False)])
 def test_side_branches_that_lean_back_speak_against_the_inlet(summary_of, tmp_path, angle, told):
     """One branch may leave at 112 degrees, as a conus branch does. At 128 degrees the inlet is doubted."""
