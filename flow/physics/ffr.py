@@ -14,11 +14,12 @@ SLOPE_WINDOW_MM = 1.0  # the slope of FFR at a probe is fitted within this dista
 LARGEST_SLOPE_PER_MM = (
     5e-4  # rise of FFR per mm: with a steeper slope the third decimal depends on the probe's exact place
 )
-# Largest distances of a probe, in local radii. Further than PROBE_DISTANCE_RADII from the centreline, it belongs to
-# another vessel (in the study at most .25). Further than PROBE_SHIFT_RADII along the vessel from its `s_mm`, it is
-# misplaced (in the study at most .66).
+# Further than this from the centreline, in local radii, a probe belongs to another vessel (in the study at most .25).
 PROBE_DISTANCE_RADII = 2.0
-PROBE_SHIFT_RADII = 4.0
+# Further than both along the vessel from its `s_mm`, a probe is misplaced, or in another unit. A stent that straightens
+# a bent vessel moves a probe behind it by up to 7 % of its arc length.
+PROBE_SHIFT_RADII = 4.0  # local radii
+PROBE_SHIFT_SHARE = 0.2  # of `s_mm`
 WARNED_DISTANCE_RADII = (
     0.5  # local radii: a probe moved further gets a warning; a stent's deployment moves the axis by up to .15
 )
@@ -64,7 +65,7 @@ def _project_probe(probe, tree):
     """(branch, s_mm, shift_mm): the point of this state's centreline that is nearest to a probe of boundary.json.
 
     shift_mm is its distance from the probe. Raises InputError where this is above PROBE_DISTANCE_RADII, or where s_mm
-    differs from the probe's s_mm by more than PROBE_SHIFT_RADII.
+    differs from the probe's s_mm by more than PROBE_SHIFT_RADII and PROBE_SHIFT_SHARE.
     """
     branch, s_mm, shift = tree.project_probe(probe)
     if shift > PROBE_DISTANCE_RADII * branch.radius(s_mm):
@@ -73,7 +74,7 @@ def _project_probe(probe, tree):
             "probe is far from this state's vessel", f"probe {probe['name']}", f"{shift:.2f} mm", f"give {remedy}"
         )
     planned = probe.get("s_mm", s_mm)
-    if abs(s_mm - planned) > PROBE_SHIFT_RADII * branch.radius(s_mm):
+    if abs(s_mm - planned) > max(PROBE_SHIFT_RADII * branch.radius(s_mm), PROBE_SHIFT_SHARE * planned):
         value, remedy = f"{s_mm:.4g} mm, its s_mm says {planned:.4g}", "give point_mm and s_mm of one place, both in mm"
         raise InputError("probe lies at another place along the vessel", f"probe {probe['name']}", value, remedy)
     return branch, s_mm, shift

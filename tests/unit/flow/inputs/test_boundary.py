@@ -339,8 +339,14 @@ def test_a_probe_in_metres_is_refused(settings):
     document = boundary.make(_anatomy([{"branch": "main", "s_end_mm": 30.0}]), _tree(), PATIENT, settings)
     probe = document["probes"][0]
     ffr.check_probes([probe], _tree())
-    ffr.check_probes([probe | {"s_mm": probe["s_mm"] + 5.9}], _tree())
-    for wrong in ({"point_mm": [1e-3 * x for x in probe["point_mm"]]}, {"s_mm": probe["s_mm"] + 6.1}):
+    reached = probe["s_mm"]
+    for planned in (reached + 5.9, reached / 0.81, reached / 1.19):  # four radii are 6 mm, and a fifth of s_mm is more
+        ffr.check_probes([probe | {"s_mm": planned}], _tree())
+    for wrong in (
+        {"point_mm": [1e-3 * x for x in probe["point_mm"]]},
+        {"s_mm": reached / 0.79},
+        {"s_mm": 0.79 * reached},
+    ):
         with pytest.raises(InputError, match="another place along the vessel(.|\n)*distal"):
             ffr.check_probes([probe | wrong], _tree())
 
