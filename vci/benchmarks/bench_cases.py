@@ -156,3 +156,21 @@ def stenting_figures(outcome):
     gains = [circle_diameter(section["area_mm2"]) - 2 * section["radius_before_mm"] for section in slices]
     values["truth"]["gain_mm"] = float(np.mean(gains))
     return values
+
+
+def balloon_figures(outcome):
+    """{model: {figure: value}} of a case that is treated by one balloon. The models are engine and truth.
+
+    inflated_mm: the inflated balloon's smallest diameter. final_mm: the lumen's smallest diameter at the end. The truth
+    is read at its narrowest slice, whose wall lies on the balloon.
+    """
+    plan, engine, truth = outcome.plan, outcome.engine, outcome.truth
+    [(name, use)] = device_uses(plan, "predilatation")
+    half = 0.5 * plan["devices"][use["device"]]["length_mm"]
+    along, diameters = ring_diameters(outcome.folder / "engine/devices" / f"{name}_balloon.vtp")
+    inflated = float(diameters[np.abs(along) < half].min())
+    [step] = min(truth["slices"], key=lambda section: section["radius_before_mm"])["history"]
+    return {
+        "engine": {"inflated_mm": inflated, "final_mm": circle_diameter(engine["minimal_lumen_area_mm2"])},
+        "truth": {"inflated_mm": 2 * step["inflated_radius_mm"], "final_mm": 2 * step["radius_mm"]},
+    }

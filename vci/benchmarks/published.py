@@ -33,9 +33,11 @@ SCHMIDT = "Schmidt 2017, doi 10.1515/cdbme-2017-0029 (five 3.0 mm stents)"
 WIESENT = "Wiesent 2019, doi 10.1371/journal.pone.0224026"
 MARTIN = "Martin and Boyle 2013, doi 10.1002/cnm.2557"
 KITAHARA = "Kitahara 2016, doi 10.4244/EIJV12I2A32 (eight 3.0 mm stents, OCT)"
+HERING = "Hering 1996, Z Kardiol 85:273 (44 patients, angioplasty without stent)"
+ROZENMAN = "Rozenman 1993, Am J Cardiol 72:1020 (696 lesions, angioplasty without stent)"
 MAXIMAL = "micro-CT of 4.0 mm stents after two 6.0 mm balloons (EuroIntervention)"
 SOURCES = (
-    *(AZIZ, SANGIORGI, ILUMIEN, YANG, FUJINO, EX_VIVO, GAIN),  # patients and cadavers
+    *(AZIZ, SANGIORGI, ILUMIEN, YANG, FUJINO, EX_VIVO, GAIN, HERING, ROZENMAN),  # patients and cadavers
     *(SCHMIDT, WIESENT, MARTIN, KITAHARA, MAXIMAL),  # benches
 )
 
@@ -99,6 +101,14 @@ COLUMNS = ["bench", "quantity", "unit", "published", "engine", "truth", "n", "re
 VESSEL_MM = 3.0  # healthy diameter of the calcified vessels
 ARCS_DEG, LENGTHS_MM = (90, 180, 270), (5, 10)  # arcs and lengths of the calcium
 ATMOSPHERES = (10, 20, 30)  # balloon pressures; one atmosphere is taken as one bar
+BALLOON_BAR = (1, 1.5, 2, 3, 4, 6, 8, 12)  # pressures of a balloon without stent
+TISSUES = {  # plaque of the lesion in which it is inflated
+    "lipid plaque": {"plaque": "lipid"},
+    "fibrous plaque": {"plaque": "fibrous"},
+    "calcium of 90 degrees": {"plaque": "fibrous", "calcium": {"arc_deg": 90, "length_mm": 10}},
+    "calcium of 270 degrees": {"plaque": "fibrous", "calcium": {"arc_deg": 270, "length_mm": 10}},
+}
+NO_SOURCE = "no measured value was found"
 NO_TRUTH_REMARK = "the truth's slices have no axial coupling"
 
 
@@ -267,13 +277,12 @@ def mean_sd(values):
     return f"{np.mean(values):.3g} ({np.std(values, ddof=1):.2g})" if len(values) > 1 else "-"
 
 
-def calcified_case(path, arc_deg, length_mm, steps):
-    """Writes a case file and returns its path: a vessel of 3 mm with a stenosis of 65 % and calcium in its plaque.
+def narrowed_case(path, plaque, steps):
+    """Writes a case file and returns its path: a vessel of 3 mm with a stenosis of 65 %.
 
-    arc_deg, length_mm: arc and length of the calcium. steps: the case's plan, a list of results of plan_step().
+    plaque: entries of the lesion that describe its plaque. steps: the case's plan, a list of results of plan_step().
     """
-    lesion = {"centre_s_mm": 20, "length_mm": 14, "diameter_stenosis_percent": 65, "plaque": "fibrous"}
-    lesion["calcium"] = {"arc_deg": arc_deg, "length_mm": length_mm}
+    lesion = {"centre_s_mm": 20, "length_mm": 14, "diameter_stenosis_percent": 65, **plaque}
     main = {"length_mm": 40, "ostial_diameter_mm": VESSEL_MM, "taper_percent_per_cm": 0}
     main |= {"mean_curvature_per_mm": 0.02, "max_curvature_per_mm": 0.05}
     case = {"kind": "synthetic", "description": "a bench", "patient": {"lvm_g": 150, "sbp_mmhg": 120, "dbp_mmhg": 80}}
@@ -281,6 +290,12 @@ def calcified_case(path, arc_deg, length_mm, steps):
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(yaml.safe_dump(case))
     return path
+
+
+def calcified_case(path, arc_deg, length_mm, steps):
+    """narrowed_case() with calcium of this arc (degrees) and length (mm) in fibrous plaque."""
+    calcium = {"arc_deg": arc_deg, "length_mm": length_mm}
+    return narrowed_case(path, {"plaque": "fibrous", "calcium": calcium}, steps)
 
 
 def plan_step(action, device, diameter, length, bar):
@@ -357,6 +372,71 @@ def expansion_by_pressure(folder, build):
             yield row
 
 
+def plain_balloon(folder, build):
+    """Yields rows for a balloon without stent in a lesion of each tissue: where it opens, and how far it springs back.
+
+    A non-compliant balloon as wide as the healthy vessel is inflated once, to each of BALLOON_BAR in a vessel of its
+    own. Its diameter is the smallest along its length. Pressures at which engine or truth is refused are left out.
+    """
+    half_open_mm = 0.5 * (1 + 0.35) * VESSEL_MM  # half way from the narrowed to the healthy diameter
+    for tissue, plaque in TISSUES.items():
+        curves, refused = {}, []
+        for bar in BALLOON_BAR:
+            steps = [plan_step("predilatation", "non_compliant", VESSEL_MM, 15, bar)]
+            path = narrowed_case(folder / f"balloon_{tissue.replace(' ', '_')}_{bar}.yaml", plaque, steps)
+            outcome = bench_cases.run_engine_and_truth(path, folder / path.stem, build, continue_chart)
+            if outcome.engine:
+                curves[bar] = bench_cases.balloon_figures(outcome)
+            else:
+                refused.append(f"{bar:g}")
+        remark = "65 % narrowing in 3.0 mm, non-compliant 3.0 mm balloon, no stent"
+        remark += f"; refused at {', '.join(refused)} bar" if refused else ""
+        base_row = {"bench": f"balloon in {tissue}", "n": len(curves), "remark": remark}
+        quantity = (
+            f"pressures between which the lesion opens to {half_open_mm:.1f} mm, half way to the healthy diameter"
+        )
+        yield {**base_row, "quantity": quantity, "unit": "bar", "source": NO_SOURCE} | {
+            model: opening_pressures({bar: found[model]["inflated_mm"] for bar, found in curves.items()}, half_open_mm)
+            for model in ("engine", "truth")
+        }
+        for bar, published in ((8, "84 (9), below 10 atm"), (12, "94 (12), 10 atm or more")):
+            quantity = f"smallest diameter of the inflated balloon at {bar} bar over its nominal diameter"
+            yield {**base_row, "quantity": quantity, "unit": "%", "published": published, "source": HERING} | {
+                model: f"{100 * values['inflated_mm'] / VESSEL_MM:.0f}" for model, values in curves.get(bar, {}).items()
+            }
+        yield {
+            **base_row,
+            "quantity": f"recoil after {BALLOON_BAR[-1]} bar",
+            "unit": "mm",
+            "published": "0.42 (0.64)",
+            "source": ROZENMAN,
+        } | {
+            model: f"{values['inflated_mm'] - values['final_mm']:.2f}"
+            for model, values in curves.get(BALLOON_BAR[-1], {}).items()
+        }
+
+
+def continue_chart(plan):
+    """Continues the charts of a plan's balloons down to the lowest of BALLOON_BAR, by their first slope."""
+    for device in plan["devices"].values():
+        bar, mm = device["chart"]["pressure_bar"], device["chart"]["diameter_mm"]
+        lowest_mm = mm[0] - (mm[1] - mm[0]) / (bar[1] - bar[0]) * (bar[0] - BALLOON_BAR[0])
+        device["chart"] = {"pressure_bar": [BALLOON_BAR[0], *bar], "diameter_mm": [lowest_mm, *mm]}
+
+
+def opening_pressures(diameters_mm, wanted_mm):
+    """Text of the neighbouring pressures (bar) between which the diameter reaches a wanted one.
+
+    diameters_mm: {pressure: diameter}, from the lowest pressure.
+    """
+    below = None
+    for bar, diameter in diameters_mm.items():
+        if diameter >= wanted_mm:
+            return f"{bar:g} or less" if below is None else f"{below:g} to {bar:g}"
+        below = bar
+    return "-" if below is None else f"more than {below:g}"
+
+
 def all_rows(folder, build, families, drawn, seed):
     """Yields the rows of all benches, as dicts with some of COLUMNS. Raises ComputationError.
 
@@ -369,6 +449,7 @@ def all_rows(folder, build, families, drawn, seed):
     yield from drawn_cohort(folder / "drawn", build, drawn, seed)
     yield from calcium_slopes(folder, build)
     yield from expansion_by_pressure(folder, build)
+    yield from plain_balloon(folder, build)
 
 
 def write_rows(path, rows):

@@ -144,6 +144,8 @@ def rows_without_engine(monkeypatch, tmp_path):
     monkeypatch.setattr(published, "run_program", lambda command: None)
     monkeypatch.setattr(bench_cases, "run_engine_and_truth", lambda *arguments: outcome)
     monkeypatch.setattr(bench_cases, "stenting_figures", lambda outcome: {"engine": figures, "truth": figures})
+    balloon = {"inflated_mm": 2.9, "final_mm": 2.5}
+    monkeypatch.setattr(bench_cases, "balloon_figures", lambda outcome: {"engine": balloon, "truth": balloon})
     (tmp_path / "drawn").mkdir()
     for k in range(2):
         (tmp_path / "drawn" / f"patient{k}.yaml").touch()
@@ -152,10 +154,10 @@ def rows_without_engine(monkeypatch, tmp_path):
 
 
 def test_every_published_measurement_has_a_row_or_a_reason(rows_without_engine):
-    """Twelve sources were read. None may be left out without a word."""
-    compared = {row["source"] for row in rows_without_engine if row.get("engine")}
+    """Fourteen sources were read. None may be left out without a word."""
+    compared = {row["source"] for row in rows_without_engine if row.get("engine")} - {published.NO_SOURCE}
     explained = {entry.source for entry in published.NOT_COMPARED}
-    assert len(published.SOURCES) == 12
+    assert len(published.SOURCES) == 14
     assert compared | explained == set(published.SOURCES)
     assert explained - compared == {published.MARTIN, published.KITAHARA}
 
@@ -177,3 +179,32 @@ def test_rows_have_the_columns_of_the_table(rows_without_engine, tmp_path):
     assert len(quantities) == len(set(zip(quantities, (row["bench"] for row in rows_without_engine))))
     with pytest.raises(ValueError, match="bar"):
         published.write_rows(tmp_path / "published.csv", [{"bar": 1}])
+
+
+def test_a_balloon_without_stent(tmp_path):
+    """Its smallest diameter comes from the engine's balloon, and from the truth's narrowest slice."""
+    write_tube(tmp_path / "engine/devices/first_balloon.vtp", [0.5, 0.9, 0.8, 0.9, 0.5], spacing=2.0)
+    step = {"name": "first", "action": "predilatation", "devices": [{"device": "b", "pressure_bar": 1}]}
+    plan = {"devices": {"b": {"kind": "balloon", "length_mm": 5}}, "procedure": [step]}
+    narrow, wide = ([{"step": "first", "inflated_radius_mm": r, "radius_mm": r - 0.1}] for r in (0.9, 0.2))
+    slices = [{"radius_before_mm": 1.5, "history": wide}, {"radius_before_mm": 0.5, "history": narrow}]
+    outcome = CaseOutcome(tmp_path, plan, {"minimal_lumen_area_mm2": np.pi * 0.7**2}, {"slices": slices})
+    figures = bench_cases.balloon_figures(outcome)
+    assert figures["engine"] == pytest.approx({"inflated_mm": 1.6, "final_mm": 1.4}), "not the cones at the ends"
+    assert figures["truth"] == pytest.approx({"inflated_mm": 1.8, "final_mm": 1.6})
+
+
+def test_pressures_between_which_a_lesion_opens():
+    diameters = {1: 1.0, 2: 2.0, 6: 3.0}
+    assert published.opening_pressures(diameters, 1.5) == "1 to 2"
+    assert published.opening_pressures(diameters, 2.5) == "2 to 6", "the pressures between were refused"
+    assert published.opening_pressures(diameters, 0.9) == "1 or less"
+    assert published.opening_pressures(diameters, 3.5) == "more than 6"
+    assert published.opening_pressures({}, 3.5) == "-"
+
+
+def test_a_chart_is_continued_by_its_first_slope():
+    plan = {"devices": {"b": {"chart": {"pressure_bar": [2, 4, 6], "diameter_mm": [2.8, 2.9, 3.2]}}}}
+    published.continue_chart(plan)
+    chart = plan["devices"]["b"]["chart"]
+    assert (chart["pressure_bar"], chart["diameter_mm"]) == ([1, 2, 4, 6], pytest.approx([2.75, 2.8, 2.9, 3.2]))
