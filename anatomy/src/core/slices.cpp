@@ -42,6 +42,10 @@ double least_extent(const std::vector<Vec2>& points) {
   return least;
 }
 
+double growth(const SectionSize& a, const SectionSize& b) {
+  return std::min(b.area / a.area, b.width * b.width / (a.width * a.width));
+}
+
 Slices::Slices(const Mesh& mesh) : tree_(mesh.edges().begin(), mesh.edges().end(), mesh), slicer_(mesh, tree_) {}
 
 std::vector<Vec3> Slices::loop_around(const PlaneFrame& frame) const {

@@ -33,6 +33,11 @@ struct SectionSize {
       0; ///< mm, minor axis of the ellipse with the section's second moments; an oblique cut leaves it as it is
 };
 
+/// By how much section b is larger than section a: the smaller one of the ratios of their areas and of their squared
+/// widths. An oblique cut, as behind an end of a bent vessel, has a larger area but the same width. A polygon of few
+/// corners may have another width but the same area.
+double growth(const SectionSize& a, const SectionSize& b);
+
 /// Cuts a mesh by planes. The mesh must outlive this object.
 class Slices {
 public:

@@ -10,12 +10,11 @@ namespace {
 using FacePrimitive = CGAL::AABB_face_graph_triangle_primitive<Mesh>;
 using FaceTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, FacePrimitive>>;
 
-// Largest ratio between the squared widths of a flat part and of the section behind it, if the part is an end. It
-// allows a vessel that widens or narrows by 40 degrees on each side.
-constexpr double largest_size_ratio = 2;
-// Largest ratio of the section's squared width to the flat part's on a rough surface. One plane may hold only a piece
-// of a cap.
-constexpr double rough_part_ratio = 1.25;
+// Largest growth (`growth`) between a flat part and the section behind it, either way, if the part is an end. It allows
+// a vessel that widens or narrows by 40 degrees on each side.
+constexpr double largest_growth = 2;
+// Largest growth from a flat part to the section on a rough surface. One plane may hold only a piece of a cap.
+constexpr double rough_part_growth = 1.25;
 constexpr double most_flat_height = 0.07; // largest height difference of a flat part's vertices, in its diameters
 constexpr double cos_tilt = 0.5;          // cosine of the largest tilt, 60 degrees
 // Depth of the section behind a flat part, in radii of the part. It is small, since an outlet that was cut off close to
@@ -44,10 +43,10 @@ std::string no_end_reason(const PatchPlane& plane, const EndEvidence& evidence, 
     return "not flat";
   if (evidence.section.area <= 0)
     return "no vessel behind it";
-  const double size_ratio = evidence.section.width * evidence.section.width / (plane.extent * plane.extent);
-  if (size_ratio > largest_size_ratio || size_ratio < 1 / largest_size_ratio)
+  const SectionSize part = plane.size();
+  if (growth(part, evidence.section) > largest_growth || growth(evidence.section, part) > largest_growth)
     return "the vessel half a radius behind it is of another size";
-  if (rough && size_ratio > rough_part_ratio)
+  if (rough && growth(part, evidence.section) > rough_part_growth)
     return "only a part of a rough end";
   if (evidence.tilt > std::acos(cos_tilt) * 180 / pi)
     return "along the vessel, not across it";

@@ -7,8 +7,8 @@
 namespace anatomy {
 
 /// What is measured at a flat part to decide whether it is an end. An end is about as wide as the largest sphere that
-/// fits behind it. The section half a radius behind it has about the same width: the least extent over all directions,
-/// which a bend does not change. The wall behind it runs along its normal.
+/// fits behind it. The section half a radius behind it has about the same size. The wall behind it runs along its
+/// normal.
 struct EndEvidence {
   double sphere_radius = 0; ///< mm, radius of the largest sphere inside the lumen that touches the part at its centre
   SectionSize section;      ///< of the lumen half a radius behind the part
@@ -16,7 +16,7 @@ struct EndEvidence {
 };
 
 /// Why a flat part is no end, as text for the user; empty if it is an end. `rough` says that the surface is too rough
-/// for one plane to hold a whole cap. Then the part must also have at least 0.9 of the section's width. A smaller part
+/// for one plane to hold a whole cap. Then the part must also have at least 0.8 of the section's size. A smaller part
 /// would make the end too small, and the rest of the cap would become wall.
 std::string no_end_reason(const PatchPlane& plane, const EndEvidence& evidence, bool rough);
 

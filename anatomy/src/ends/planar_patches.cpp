@@ -1,6 +1,5 @@
 #include "ends/planar_patches.hpp"
 #include "core/faces.hpp"
-#include "core/slices.hpp"
 #include <algorithm>
 #include <numeric>
 

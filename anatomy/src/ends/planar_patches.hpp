@@ -1,6 +1,6 @@
 // Finds the flat parts of a surface.
 #pragma once
-#include "core/types.hpp"
+#include "core/slices.hpp"
 
 namespace anatomy {
 
@@ -16,6 +16,7 @@ struct PatchPlane {
   double width = 0;                                  ///< mm, minor axis of the ellipse with the faces' second moments
   double extent = 0;                                 ///< mm, least extent of the faces over all directions in the plane
   double lowest = 0, highest = 0;                    ///< mm, smallest and largest height of a vertex over the plane
+  SectionSize size() const { return {.area = area, .width = extent}; }
 };
 PatchPlane plane_of(const Mesh& mesh, const std::vector<Face>& faces);
 
