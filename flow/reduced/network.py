@@ -183,15 +183,16 @@ class Network:
         return (here - here[0]) * (flows[self.downstream(segment.branch, 0.0)].sum() / flow) ** 2
 
     def _at_junction(self, segment, result, flows, velocity):
-        """Static pressure in Pa at the start of a side branch, from the total pressure of its parent at the junction.
+        """Static pressure in Pa at the start of a side branch, from its parent's total pressure before the junction.
 
-        result: pressures so far, as `pressures` gives them; velocity: velocity in m/s at the side branch's start.
+        result: pressures so far, as `pressures` gives them; velocity: velocity in m/s at the side branch's start. The
+        parent has two pressures at the junction, before and behind it, since its flow and with it its head fall there.
         """
         parent, where = self.parent[segment.branch]
         s, p = result[parent]
         area = np.interp(where, *self.area_profile[parent]) * M_PER_MM**2
         upstream = flows[self.downstream(parent, where)].sum() / area
-        static = float(np.interp(where * M_PER_MM, s, p))
+        static = p[min(np.searchsorted(s, where * M_PER_MM), len(p) - 1)]
         return static + 0.5 * self.document["density_kg_per_m3"] * (upstream**2 - velocity**2)
 
     def outlet_pressures(self, flows):

@@ -72,6 +72,23 @@ def test_two_unequal_outlets_are_a_resistor_network_at_low_inertia():
     assert flows == pytest.approx([node / r1, node / r2], rel=1e-9)
 
 
+def test_a_side_branch_starts_with_the_total_pressure_before_its_junction():
+    """Behind the junction the parent has less flow, so its pressure is higher. That must not count in the side branch.
+
+    Without viscosity the total pressure is MAP plus the head at the inlet, all along and in the side branch too.
+    """
+    branches = [{"name": "main", "parent": None, "s_on_parent_mm": None}]
+    branches.append({"name": "side1", "parent": "main", "s_on_parent_mm": 20.0})
+    sections = _sections([("main", np.linspace(0, 50, 101), 0.7), ("side1", np.linspace(0, 30, 61), 0.9)])
+    document = _document([5e9, 9e9], ["main", "side1"]) | {"viscosity_pa_s": 1e-12}
+    network = network_model.Network({"branches": branches}, sections, document, 1.14)
+    flows = np.array([1.6e-6, 0.7e-6])
+    pressures = network.pressures(flows)
+    for branch, flow, radius in (("main", flows[0], 0.7), ("side1", flows[1], 0.9)):
+        total = pressures[branch][1][-1] + 0.5 * RHO * (flow / (np.pi * (radius * 1e-3) ** 2)) ** 2
+        assert total == pytest.approx(12000 + 0.5 * RHO * (flows.sum() / (np.pi * 0.7e-3**2)) ** 2, rel=1e-6), branch
+
+
 def test_expansion_loss_is_borda_carnot():
     s = np.linspace(0, 30, 301)
     radius = 1.5 * (1 - 0.5 * np.exp(-(((s - 10) / 2) ** 2)))
