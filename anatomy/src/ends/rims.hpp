@@ -10,7 +10,8 @@ namespace anatomy {
 /// Returns the plane behind the rounded rim of a flat end, parallel to the end. It is the nearest plane for which the
 /// section half a radius further in is hardly larger than its own. Returns nothing if the section half a radius behind
 /// the end is hardly larger than the end, or if the vessel goes on widening for three quarters of a radius, as at a
-/// narrowed ostium. Sizes are compared by `growth`, so a bend behind the end does not count as widening.
+/// narrowed ostium, or bends back across the plane. Sizes are compared by `growth`, so a bend behind the end does not
+/// count as widening.
 std::optional<Plane> plane_behind_rim(const Slices& slices, const PatchPlane& end);
 
 } // namespace anatomy

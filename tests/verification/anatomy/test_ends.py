@@ -203,6 +203,14 @@ def test_a_flat_end_of_a_bent_vessel_has_no_rounded_rim(summary_of, tmp_path, cu
         assert end["area_mm2"] == pytest.approx(np.pi * 2.5**2, rel=0.01)
 
 
+def test_an_end_of_a_vessel_that_bends_back_is_not_cut_through_the_bend(summary_of, tmp_path):
+    """Planes behind the end soon meet the vessel where it comes back, and there it is wider. That is no rounded rim."""
+    points, triangles = surfaces.tube(surfaces.arc(0.3), lambda s: 2.4 + 0.3 * np.sin(np.pi * s / 12) ** 2, 12, 0.3)
+    summary = summary_of(surfaces.write(tmp_path / "t.stl", points, triangles))
+    assert reported(summary, "rounded rim of a flat end cut off") == 0
+    assert [end["area_mm2"] for end in summary["ends"]] == pytest.approx([np.pi * 2.4**2] * 2, rel=0.01)
+
+
 @pytest.mark.parametrize("angle, told", [(0.9, False), (np.pi - 0.9, True), (np.radians(112), False)])
 def test_side_branches_that_lean_back_speak_against_the_inlet(summary_of, tmp_path, angle, told):
     """One branch may leave at 112 degrees, as a conus branch does. At 128 degrees the inlet is doubted."""
