@@ -65,7 +65,7 @@ def _project_probe(probe, tree):
     """(branch, s_mm, shift_mm): the point of this state's centreline that is nearest to a probe of boundary.json.
 
     shift_mm is its distance from the probe. Raises InputError where this is above PROBE_DISTANCE_RADII, or where s_mm
-    differs from the probe's s_mm by more than PROBE_SHIFT_RADII and PROBE_SHIFT_SHARE.
+    differs from the probe's s_mm by more than both PROBE_SHIFT_RADII and PROBE_SHIFT_SHARE.
     """
     branch, s_mm, shift = tree.project_probe(probe)
     if shift > PROBE_DISTANCE_RADII * branch.radius(s_mm):

@@ -349,6 +349,10 @@ def test_a_probe_in_metres_is_refused(settings):
     ):
         with pytest.raises(InputError, match="another place along the vessel(.|\n)*distal"):
             ffr.check_probes([probe | wrong], _tree())
+    near = {"name": "distal", "branch": "main", "point_mm": [12.0, 0.0, 0.0]}  # here four radii are the larger one
+    ffr.check_probes([near | {"s_mm": 12 + 5.9}], _tree())
+    with pytest.raises(InputError, match="another place along the vessel"):
+        ffr.check_probes([near | {"s_mm": 12 + 6.1}], _tree())
 
 
 def test_boundary_values_say_where_the_flow_is_from(settings):
