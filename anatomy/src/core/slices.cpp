@@ -42,8 +42,12 @@ double least_extent(const std::vector<Vec2>& points) {
   return least;
 }
 
+double area_if_alike(const SectionSize& a, double width) {
+  return std::max(pi / 4, a.area / (a.width * a.width)) * width * width;
+}
+
 double growth(const SectionSize& a, const SectionSize& b) {
-  return std::min(b.area / a.area, b.width * b.width / (a.width * a.width));
+  return std::min(b.area, area_if_alike(a, b.width)) / a.area;
 }
 
 Slices::Slices(const Mesh& mesh) : tree_(mesh.edges().begin(), mesh.edges().end(), mesh), slicer_(mesh, tree_) {}

@@ -33,9 +33,12 @@ struct SectionSize {
   double width = 0; ///< mm, least extent over all directions in the plane
 };
 
-/// By how much section b is larger than section a: the smaller one of the ratios of their areas and of their squared
-/// widths. An oblique cut, as behind an end of a bent vessel, has a larger area but the same width. A polygon of few
-/// corners may have another width but the same area.
+/// The area (mm2) of a section of this width (mm) and of the shape of section a. The shape of a ragged section, which
+/// fills less of its width than a circle does, counts as a circle.
+double area_if_alike(const SectionSize& a, double width);
+
+/// By how many times section b is larger than section a. Its area counts, but no more of it than a section of the shape
+/// of a has with the width of b. So an oblique cut, as behind an end of a bent vessel, does not count as larger.
 double growth(const SectionSize& a, const SectionSize& b);
 
 /// Cuts a mesh by planes. The mesh must outlive this object.

@@ -139,3 +139,23 @@ def contoured(points, triangles, edge):
     smooth.BoundarySmoothingOff()
     smooth.Update()
     return surfaces.arrays(smooth.GetOutput())
+
+
+def with_ring_cap(points, triangles, around, rings):
+    """A tube, open at both ends, with a flat cap at its start (the first `around` points) made of `rings` rings.
+
+    The other end stays open.
+    """
+    rim, centre = points[:around], points[:around].mean(axis=0)
+    shares = np.linspace(1, 0, rings + 1)[1:-1]
+    added = [centre + share * (rim - centre) for share in shares]
+    rows = [np.arange(around) + (k and len(points) + (k - 1) * around) for k in range(rings)]
+    first = np.arange(around)
+    second = (first + 1) % around
+    parts = [triangles]
+    for outer, inner in zip(rows, rows[1:]):
+        parts += [np.column_stack([outer[first], inner[first], outer[second]])]
+        parts += [np.column_stack([inner[first], inner[second], outer[second]])]
+    middle = len(points) + (rings - 1) * around
+    parts.append(np.column_stack([np.full(around, middle), rows[-1][second], rows[-1][first]]))
+    return np.vstack([points, *added, centre]), np.vstack(parts)

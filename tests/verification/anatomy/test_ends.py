@@ -211,6 +211,19 @@ def test_an_end_of_a_vessel_that_bends_back_is_not_cut_through_the_bend(summary_
     assert [end["area_mm2"] for end in summary["ends"]] == pytest.approx([np.pi * 2.4**2] * 2, rel=0.01)
 
 
+@pytest.mark.parametrize("lobes", [3, 6])
+def test_an_end_of_which_only_a_star_is_flat_is_as_wide_as_its_vessel(summary_of, tmp_path, lobes):
+    """The flat part of a rough cap may reach the rim in several places, and be only half of the vessel's section."""
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: np.full_like(s, 1.5), 20, 0.15, capped=False)
+    around = round(2 * np.pi * 1.5 / 0.15)
+    capped = lofts.with_ring_cap(points, triangles, around, rings=10)
+    radius, angle = (f(capped[0][:, 1], capped[0][:, 2]) for f in (np.hypot, lambda y, z: np.arctan2(z, y)))
+    star = (np.abs(capped[0][:, 0]) < 1e-9) & ((radius < 0.6) | (np.cos(lobes * angle) > 0))
+    capped[0][star, 0] -= 0.3
+    ends = summary_of(surfaces.write(tmp_path / "t.stl", *capped))["ends"]
+    assert [end["area_mm2"] for end in ends] == pytest.approx([np.pi * 1.5**2] * 2, rel=0.03)
+
+
 @pytest.mark.parametrize("angle, told", [(0.9, False), (np.pi - 0.9, True), (np.radians(112), False)])
 def test_side_branches_that_lean_back_speak_against_the_inlet(summary_of, tmp_path, angle, told):
     """One branch may leave at 112 degrees, as a conus branch does. At 128 degrees the inlet is doubted."""
