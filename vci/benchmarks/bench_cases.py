@@ -24,7 +24,8 @@ class CaseOutcome:
     """The results of a case, or the reason for which a command refused it.
 
     folder: folder with all files of the case. plan, engine, truth: contents of plan.json, deployment.json and
-    reference.json. refusal: the reason; empty if no command refused the case.
+    reference.json. refusal: the reason; empty if no command refused the case. If only the truth was refused, the
+    engine's results are there.
     """
 
     folder: pathlib.Path
@@ -81,10 +82,12 @@ def run_engine_and_truth(case_file, folder, build, edit_plan=lambda plan: None):
         [PYTHON, "-m", "data_synthetic", "reference", "--scene", plan_file, "--anatomy", folder / "anatomy"]
         + ["--truth", folder / "source/truth.json", "--settings", settings_file, "--out", folder / "reference"],
     ]
-    if refusal := first_refusal(commands, folder.name):
-        return CaseOutcome(folder, refusal=refusal)
-    engine, truth = folder / "engine/deployment.json", folder / "reference/reference.json"
-    return CaseOutcome(folder, plan, json.loads(engine.read_text()), json.loads(truth.read_text()))
+    results, files = [], (folder / "engine/deployment.json", folder / "reference/reference.json")
+    for command, file in zip(commands, files):
+        if refusal := first_refusal([command], folder.name):
+            return CaseOutcome(folder, plan, *results, refusal=refusal)
+        results.append(json.loads(file.read_text()))
+    return CaseOutcome(folder, plan, *results)
 
 
 def chart_diameter(plan, device, pressure_bar):
@@ -161,16 +164,19 @@ def stenting_figures(outcome):
 def balloon_figures(outcome):
     """{model: {figure: value}} of a case that is treated by one balloon. The models are engine and truth.
 
-    inflated_mm: the inflated balloon's smallest diameter. final_mm: the lumen's smallest diameter at the end. The truth
-    is read at its narrowest slice, whose wall lies on the balloon.
+    inflated_mm, final_mm: diameter in the balloon's middle, of the inflated balloon and of the lumen at the end. A
+    model that was refused is left out.
     """
-    plan, engine, truth = outcome.plan, outcome.engine, outcome.truth
-    [(name, use)] = device_uses(plan, "predilatation")
-    half = 0.5 * plan["devices"][use["device"]]["length_mm"]
-    along, diameters = ring_diameters(outcome.folder / "engine/devices" / f"{name}_balloon.vtp")
-    inflated = float(diameters[np.abs(along) < half].min())
-    [step] = min(truth["slices"], key=lambda section: section["radius_before_mm"])["history"]
-    return {
-        "engine": {"inflated_mm": inflated, "final_mm": circle_diameter(engine["minimal_lumen_area_mm2"])},
-        "truth": {"inflated_mm": 2 * step["inflated_radius_mm"], "final_mm": 2 * step["radius_mm"]},
-    }
+    [(name, use)] = device_uses(outcome.plan, "predilatation")
+    place = use["centre_s_mm"]
+    figures = {}
+    if outcome.engine:
+        along, diameters = ring_diameters(outcome.folder / "engine/devices" / f"{name}_balloon.vtp")
+        profile = [(row["s_mm"], row["area_mm2"]) for row in outcome.engine["csa_profile"] if row["area_mm2"]]
+        area = float(np.interp(place, *zip(*profile)))
+        inflated = float(np.interp(0.0, along, diameters))
+        figures["engine"] = {"inflated_mm": inflated, "final_mm": circle_diameter(area)}
+    if outcome.truth:
+        [step] = min(outcome.truth["slices"], key=lambda section: abs(section["s_mm"] - place))["history"]
+        figures["truth"] = {"inflated_mm": 2 * step["inflated_radius_mm"], "final_mm": 2 * step["radius_mm"]}
+    return figures

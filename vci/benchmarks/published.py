@@ -98,7 +98,8 @@ NOT_COMPARED = (
     ),
 )
 COLUMNS = ["bench", "quantity", "unit", "published", "engine", "truth", "n", "remark", "source"]
-VESSEL_MM = 3.0  # healthy diameter of the calcified vessels
+VESSEL_MM = 3.0  # healthy diameter of the narrowed vessels
+STENOSIS_PERCENT = 65  # of their diameter
 ARCS_DEG, LENGTHS_MM = (90, 180, 270), (5, 10)  # arcs and lengths of the calcium
 ATMOSPHERES = (10, 20, 30)  # balloon pressures; one atmosphere is taken as one bar
 BALLOON_BAR = (1, 1.5, 2, 3, 4, 6, 8, 12)  # pressures of a balloon without stent
@@ -234,7 +235,7 @@ def drawn_cohort(folder, build, count, seed):
         bench_cases.run_engine_and_truth(path, folder / path.stem, build)
         for path in sorted(folder.glob("patient*.yaml"))
     ]
-    values = [bench_cases.stenting_figures(outcome) for outcome in outcomes if outcome.engine]
+    values = [bench_cases.stenting_figures(outcome) for outcome in outcomes if not outcome.refusal]
     refused = len(outcomes) - len(values)
     for key, label, unit, published, source in (
         ("below_chart_percent", "smallest diameter left below the largest balloon's chart", "%", "27.2 (7.2)", AZIZ),
@@ -278,11 +279,11 @@ def mean_sd(values):
 
 
 def narrowed_case(path, plaque, steps):
-    """Writes a case file and returns its path: a vessel of 3 mm with a stenosis of 65 %.
+    """Writes a case file and returns its path: a vessel of VESSEL_MM with a stenosis of STENOSIS_PERCENT.
 
     plaque: entries of the lesion that describe its plaque. steps: the case's plan, a list of results of plan_step().
     """
-    lesion = {"centre_s_mm": 20, "length_mm": 14, "diameter_stenosis_percent": 65, **plaque}
+    lesion = {"centre_s_mm": 20, "length_mm": 14, "diameter_stenosis_percent": STENOSIS_PERCENT, **plaque}
     main = {"length_mm": 40, "ostial_diameter_mm": VESSEL_MM, "taper_percent_per_cm": 0}
     main |= {"mean_curvature_per_mm": 0.02, "max_curvature_per_mm": 0.05}
     case = {"kind": "synthetic", "description": "a bench", "patient": {"lvm_g": 150, "sbp_mmhg": 120, "dbp_mmhg": 80}}
@@ -318,7 +319,7 @@ def calcium_slopes(folder, build):
         for length in LENGTHS_MM:
             path = calcified_case(folder / f"calcium_{arc}_{length}.yaml", arc, length, STENTING_PLAN)
             outcome = bench_cases.run_engine_and_truth(path, folder / path.stem, build)
-            if outcome.engine:
+            if not outcome.refusal:
                 regressors.append([1.0, arc / 180, length / 5])
                 for model, values in bench_cases.stenting_figures(outcome).items():
                     expansions[model].append(values["expansion_percent"])
@@ -366,7 +367,7 @@ def expansion_by_pressure(folder, build):
             row = {"bench": f"stent in {label} calcium", "unit": "%", "published": published, "source": EX_VIVO}
             row |= {"quantity": f"expansion after a balloon at {pressure_bar} atm", "n": 1}
             row["remark"] = outcome.refusal or f"{arc} degrees, {length} mm long, 65 % narrowing in 3.0 mm"
-            if outcome.engine:
+            if not outcome.refusal:
                 figures = bench_cases.stenting_figures(outcome)
                 row |= {model: f"{values['expansion_percent']:.0f}" for model, values in figures.items()}
             yield row
@@ -376,43 +377,44 @@ def plain_balloon(folder, build):
     """Yields rows for a balloon without stent in a lesion of each tissue: where it opens, and how far it springs back.
 
     A non-compliant balloon as wide as the healthy vessel is inflated once, to each of BALLOON_BAR in a vessel of its
-    own. Its diameter is the smallest along its length. Pressures at which engine or truth is refused are left out.
+    own. Diameters are those in the lesion's middle. A pressure at which a model is refused is left out for that model.
     """
-    half_open_mm = 0.5 * (1 + 0.35) * VESSEL_MM  # half way from the narrowed to the healthy diameter
+    half_open_mm = (1 - 0.5 * STENOSIS_PERCENT / 100) * VESSEL_MM  # half way from the narrowed to the healthy diameter
     for tissue, plaque in TISSUES.items():
-        curves, refused = {}, []
+        curves, refused = {"engine": {}, "truth": {}}, []
         for bar in BALLOON_BAR:
             steps = [plan_step("predilatation", "non_compliant", VESSEL_MM, 15, bar)]
             path = narrowed_case(folder / f"balloon_{tissue.replace(' ', '_')}_{bar}.yaml", plaque, steps)
             outcome = bench_cases.run_engine_and_truth(path, folder / path.stem, build, continue_chart)
-            if outcome.engine:
-                curves[bar] = bench_cases.balloon_figures(outcome)
-            else:
-                refused.append(f"{bar:g}")
-        remark = "65 % narrowing in 3.0 mm, non-compliant 3.0 mm balloon, no stent"
-        remark += f"; refused at {', '.join(refused)} bar" if refused else ""
-        base_row = {"bench": f"balloon in {tissue}", "n": len(curves), "remark": remark}
+            found = bench_cases.balloon_figures(outcome)
+            for model, figures in found.items():
+                curves[model][bar] = figures
+            refused += [f"{model} at {bar:g} bar" for model in curves if model not in found]
+        remark = (
+            f"{STENOSIS_PERCENT} % narrowing in 3.0 mm, non-compliant 3.0 mm balloon, no stent; below 2 bar the chart"
+        )
+        remark += " is continued by its first slope" + (f"; refused: {', '.join(refused)}" if refused else "")
+        base_row = {"bench": f"balloon in {tissue}", "n": 1, "remark": remark}
         quantity = (
             f"pressures between which the lesion opens to {half_open_mm:.1f} mm, half way to the healthy diameter"
         )
         yield {**base_row, "quantity": quantity, "unit": "bar", "source": NO_SOURCE} | {
-            model: opening_pressures({bar: found[model]["inflated_mm"] for bar, found in curves.items()}, half_open_mm)
-            for model in ("engine", "truth")
+            model: opening_pressures({bar: one["inflated_mm"] for bar, one in curve.items()}, half_open_mm)
+            for model, curve in curves.items()
         }
         for bar, published in ((8, "84 (9), below 10 atm"), (12, "94 (12), 10 atm or more")):
-            quantity = f"smallest diameter of the inflated balloon at {bar} bar over its nominal diameter"
+            quantity = f"diameter of the inflated balloon at {bar} bar over its nominal diameter"
             yield {**base_row, "quantity": quantity, "unit": "%", "published": published, "source": HERING} | {
-                model: f"{100 * values['inflated_mm'] / VESSEL_MM:.0f}" for model, values in curves.get(bar, {}).items()
+                model: f"{100 * curve[bar]['inflated_mm'] / VESSEL_MM:.0f}"
+                for model, curve in curves.items()
+                if bar in curve
             }
-        yield {
-            **base_row,
-            "quantity": f"recoil after {BALLOON_BAR[-1]} bar",
-            "unit": "mm",
-            "published": "0.42 (0.64)",
-            "source": ROZENMAN,
-        } | {
-            model: f"{values['inflated_mm'] - values['final_mm']:.2f}"
-            for model, values in curves.get(BALLOON_BAR[-1], {}).items()
+        last = BALLOON_BAR[-1]
+        quantity = f"recoil after {last} bar"
+        yield {**base_row, "quantity": quantity, "unit": "mm", "published": "0.42 (0.64)", "source": ROZENMAN} | {
+            model: f"{curve[last]['inflated_mm'] - curve[last]['final_mm']:.2f}"
+            for model, curve in curves.items()
+            if last in curve
         }
 
 
@@ -420,8 +422,9 @@ def continue_chart(plan):
     """Continues the charts of a plan's balloons down to the lowest of BALLOON_BAR, by their first slope."""
     for device in plan["devices"].values():
         bar, mm = device["chart"]["pressure_bar"], device["chart"]["diameter_mm"]
-        lowest_mm = mm[0] - (mm[1] - mm[0]) / (bar[1] - bar[0]) * (bar[0] - BALLOON_BAR[0])
-        device["chart"] = {"pressure_bar": [BALLOON_BAR[0], *bar], "diameter_mm": [lowest_mm, *mm]}
+        if bar[0] > BALLOON_BAR[0]:
+            lowest_mm = mm[0] - (mm[1] - mm[0]) / (bar[1] - bar[0]) * (bar[0] - BALLOON_BAR[0])
+            device["chart"] = {"pressure_bar": [BALLOON_BAR[0], *bar], "diameter_mm": [lowest_mm, *mm]}
 
 
 def opening_pressures(diameters_mm, wanted_mm):

@@ -1,5 +1,6 @@
 """The benches that compare with published figures: devices, plans, outcomes and slopes."""
 
+import dataclasses
 import pathlib
 
 import numpy as np
@@ -83,7 +84,9 @@ def test_slopes_are_those_of_the_runs(monkeypatch, tmp_path):
 
     def fake_run(path, folder, build):
         _, arc, length = folder.name.split("_")
-        return CaseOutcome(folder, engine=None if (arc, length) == ("90", "5") else {"at": (float(arc), float(length))})
+        if (arc, length) == ("90", "5"):
+            return CaseOutcome(folder, refusal="too hard")
+        return CaseOutcome(folder, engine={"at": (float(arc), float(length))})
 
     def fake_figures(outcome):
         arc, length = outcome.engine["at"]
@@ -181,17 +184,20 @@ def test_rows_have_the_columns_of_the_table(rows_without_engine, tmp_path):
         published.write_rows(tmp_path / "published.csv", [{"bar": 1}])
 
 
-def test_a_balloon_without_stent(tmp_path):
-    """Its smallest diameter comes from the engine's balloon, and from the truth's narrowest slice."""
-    write_tube(tmp_path / "engine/devices/first_balloon.vtp", [0.5, 0.9, 0.8, 0.9, 0.5], spacing=2.0)
-    step = {"name": "first", "action": "predilatation", "devices": [{"device": "b", "pressure_bar": 1}]}
-    plan = {"devices": {"b": {"kind": "balloon", "length_mm": 5}}, "procedure": [step]}
-    narrow, wide = ([{"step": "first", "inflated_radius_mm": r, "radius_mm": r - 0.1}] for r in (0.9, 0.2))
-    slices = [{"radius_before_mm": 1.5, "history": wide}, {"radius_before_mm": 0.5, "history": narrow}]
-    outcome = CaseOutcome(tmp_path, plan, {"minimal_lumen_area_mm2": np.pi * 0.7**2}, {"slices": slices})
+def test_a_balloon_without_stent_is_read_in_its_middle(tmp_path):
+    """A refused model is left out."""
+    write_tube(tmp_path / "engine/devices/first_balloon.vtp", [0.5, 0.7, 0.8, 0.9, 0.5], spacing=2.0)
+    use = {"device": "b", "pressure_bar": 1, "centre_s_mm": 20.0}
+    plan = {"procedure": [{"name": "first", "action": "predilatation", "devices": [use]}]}
+    profile = [{"s_mm": s, "area_mm2": a} for s, a in ((19.0, 0.9), (20.0, np.pi * 0.7**2), (21.0, None))]
+    middle, beside = ([{"step": "first", "inflated_radius_mm": r, "radius_mm": r - 0.1}] for r in (0.9, 0.2))
+    slices = [{"s_mm": 17.0, "history": beside}, {"s_mm": 20.4, "history": middle}]
+    outcome = CaseOutcome(tmp_path, plan, {"csa_profile": profile}, {"slices": slices})
     figures = bench_cases.balloon_figures(outcome)
-    assert figures["engine"] == pytest.approx({"inflated_mm": 1.6, "final_mm": 1.4}), "not the cones at the ends"
+    assert figures["engine"] == pytest.approx({"inflated_mm": 1.6, "final_mm": 1.4})
     assert figures["truth"] == pytest.approx({"inflated_mm": 1.8, "final_mm": 1.6})
+    refused = dataclasses.replace(outcome, truth=None, refusal="did not converge")
+    assert bench_cases.balloon_figures(refused) == {"engine": figures["engine"]}
 
 
 def test_pressures_between_which_a_lesion_opens():
