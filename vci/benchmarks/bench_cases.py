@@ -167,6 +167,8 @@ def balloon_figures(outcome):
     inflated_mm, final_mm: diameter in the balloon's middle, of the inflated balloon and of the lumen at the end. A
     model that was refused is left out.
     """
+    if outcome.plan is None:
+        return {}
     [(name, use)] = device_uses(outcome.plan, "predilatation")
     place = use["centre_s_mm"]
     figures = {}

@@ -390,15 +390,12 @@ def plain_balloon(folder, build):
             for model, figures in found.items():
                 curves[model][bar] = figures
             refused += [f"{model} at {bar:g} bar" for model in curves if model not in found]
-        remark = (
-            f"{STENOSIS_PERCENT} % narrowing in 3.0 mm, non-compliant 3.0 mm balloon, no stent; below 2 bar the chart"
-        )
-        remark += " is continued by its first slope" + (f"; refused: {', '.join(refused)}" if refused else "")
+        remark = f"{STENOSIS_PERCENT} % narrowing in 3.0 mm, 3.0 mm non-compliant balloon"
+        first = {"source": NO_SOURCE, "remark": f"{remark}; its chart is continued below 2 bar"}
+        first["remark"] += f"; refused: {', '.join(refused)}" if refused else ""
         base_row = {"bench": f"balloon in {tissue}", "n": 1, "remark": remark}
-        quantity = (
-            f"pressures between which the lesion opens to {half_open_mm:.1f} mm, half way to the healthy diameter"
-        )
-        yield {**base_row, "quantity": quantity, "unit": "bar", "source": NO_SOURCE} | {
+        quantity = f"pressures that open it to {half_open_mm:.1f} mm, half way to the healthy diameter"
+        yield {**base_row, "quantity": quantity, "unit": "bar", **first} | {
             model: opening_pressures({bar: one["inflated_mm"] for bar, one in curve.items()}, half_open_mm)
             for model, curve in curves.items()
         }

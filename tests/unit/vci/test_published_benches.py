@@ -198,6 +198,7 @@ def test_a_balloon_without_stent_is_read_in_its_middle(tmp_path):
     assert figures["truth"] == pytest.approx({"inflated_mm": 1.8, "final_mm": 1.6})
     refused = dataclasses.replace(outcome, truth=None, refusal="did not converge")
     assert bench_cases.balloon_figures(refused) == {"engine": figures["engine"]}
+    assert bench_cases.balloon_figures(CaseOutcome(tmp_path, refusal="no vessel")) == {}
 
 
 def test_pressures_between_which_a_lesion_opens():
