@@ -17,6 +17,11 @@ TITLES = {
         "Textbook: whole vessel, fixed small step, plain conjugate gradients, stopped by velocity. Both at several "
         "costs. Levels: the cheapest row of each within an error of the mean area, and the ratio of their times.",
     ),
+    "deployment_baseline_patients": (
+        "Deployment: patients by the textbook scheme",
+        "A row is a procedure by one scheme, on the study's mesh. Times: its CPU time over the default's. Errors "
+        "are against the default at a tenth of its tolerance. All rows share the mesh and its error.",
+    ),
     "deployment_hard_cases": (
         "Deployment: hard cases",
         "Each ends in force balance, or is refused with its reason. First steps: the same cases at five lengths of the "

@@ -97,7 +97,7 @@ def test_benchmarks_stand_apart_and_feed_the_report(finished):
     assert finished.planned_rules("benchmarks") == names
     by_name = ("flow_against_openfoam", "flow_tree_against_openfoam", "flow_growth", "flow_tolerance")
     by_name += ("flow_wall_shear", "flow_fda_jet", "flow_finer_mesh", "deployment_coarse_walls")
-    by_name += ("deployment_calcium_strength", "flow_starts")
+    by_name += ("deployment_calcium_strength", "flow_starts", "deployment_baseline_patients")
     for name in (*by_name, "reference_against_calculix"):
         assert finished.planned_rules(name) == {name}, "by its name only"
     table = finished.folder / "results" / "benchmarks" / "flow_hard_cases" / "hard_cases.csv"

@@ -1,11 +1,13 @@
 """Compares speed and error of the default solver with the textbook scheme, and with a wall of springs.
 
 /usr/bin/python3 -m vci.benchmarks.baseline --out results/baseline [--edges 1.0 0.8 ...] [--only NAME ...] [--budget 60]
+/usr/bin/python3 -m vci.benchmarks.baseline results/cases/lad01 --out results/baseline [--budget 3600]
 
-All scenes are generated. The textbook scheme has fixed time steps and solves by conjugate gradients without
-preconditioner. It moves the whole vessel, and stops once velocities are small. It is run with contact to the flat
-triangles, as in textbooks (FACET_RUNS), and with this engine's smooth contact (TEXTBOOK_RUNS). The default solver is
-run with several edge lengths. A run that has used up its budget of CPU seconds is stopped.
+The first command runs generated scenes. The second runs the procedures of a study's cases, on the study's meshes. The
+textbook scheme has fixed time steps and solves by conjugate gradients without preconditioner. It moves the whole
+vessel, and stops once velocities are small. It is run with contact to the flat triangles, as in textbooks (FACET_RUNS),
+and with this engine's smooth contact (TEXTBOOK_RUNS). The default solver is run with several edge lengths, in a case on
+the case's own mesh alone. A run that has used up its budget of CPU seconds is stopped.
 
 baseline.csv has a row for each run. Errors are differences from a reference run: the default solver with edges of
 REFERENCE_EDGE_MM and a tenth of the default residual tolerance. levels.csv compares the times at which the schemes
@@ -13,6 +15,9 @@ reach the same error of the mean area. A row belongs to a scene, a textbook sche
 runs of default and textbook scheme within this error, and the ratio of their times. If a scheme has no such run, the
 row gives the scheme's smallest error and the time of all its runs. Runs follow one another on one thread. CPU seconds
 are those of the whole program.
+
+patients.csv has a row for each run of a case. `times` is its CPU time over that of the default, and its errors are
+against the default on the same mesh at a tenth of its residual tolerance.
 """
 
 import argparse
@@ -24,6 +29,7 @@ import sys
 
 from common.errors import InputError, guarded
 from vci.benchmarks.benchmark import ERROR_COLUMNS, SCENES, add_errors, run_outcome, write_table
+from vci.benchmarks.programs import case_scene
 from vci.benchmarks.scenes import write_scene
 from vci.benchmarks.speed_figures import draw_fronts
 
@@ -39,6 +45,7 @@ LEVEL_COLUMNS = (
 SCENE_NAMES = ("straight", "eccentric", "calcified", "curved 0.12 per mm")  # scenes in benchmark.SCENES
 EDGES_MM = [1.0, 0.8, 0.6, 0.4]  # mm: edge lengths of the wall for the default solver
 REFERENCE_EDGE_MM = 0.25  # mm: edge length of the wall for the reference
+REFERENCE_NUMERICS = {"residual_tolerance": 3e-4}  # a tenth of the default
 ERROR_LEVELS_PERCENT = (5, 3, 1)  # %: errors of the mean area for the rows of levels.csv
 LINEAR_SOLVES = {"pcg_tolerance": 1e-3, "pcg_maximal_iterations": 3000}
 # Runs of the textbook scheme: edge (mm), fixed step (ms), velocity below which a stage stops (mm/ms), settings of the
@@ -61,7 +68,20 @@ TEXTBOOK_SCHEMES = {  # textbook schemes by name: value of numerics.contact_surf
     "textbook, contact with facets": ("facets", FACET_RUNS),
     "textbook, smooth contact": ("smooth", TEXTBOOK_RUNS),
 }
+CASE_STEP_MS, CASE_STOP_MM_PER_MS = 0.01, 1e-2  # the longest step and the largest velocity of the runs above
+PATIENT_COLUMNS = (*COLUMNS[:2], *COLUMNS[3:5], *COLUMNS[6:], "times")
 SPRING_WALLS = {"springs, Lame": {}, "springs, Van Gelder": {"spring_mapping": "van_gelder"}}
+
+
+def textbook_settings(surface, step, stop, linear_solves):
+    """({column of a table: value}, settings `numerics`) of a run by the textbook scheme.
+
+    surface: value of `contact_surface`. step: its fixed step (ms). stop: velocity (mm/ms) at which a stage ends.
+    linear_solves: settings of the linear solves.
+    """
+    columns = {"fixed_step_ms": step, "velocity_stop_mm_per_ms": stop}
+    numerics = {"integration": "textbook", "contact_surface": surface, "maximal_steps_per_stage": 20000}
+    return columns, numerics | columns | linear_solves
 
 
 def scheme_runs(edges):
@@ -73,14 +93,35 @@ def scheme_runs(edges):
         yield "default", edge, {}, {}
     for scheme, (surface, runs) in TEXTBOOK_SCHEMES.items():
         for edge, step, stop, linear_solves in runs:
-            columns = {"fixed_step_ms": step, "velocity_stop_mm_per_ms": stop}
-            numerics = {"integration": "textbook", "contact_surface": surface, "maximal_steps_per_stage": 20000}
+            columns, numerics = textbook_settings(surface, step, stop, linear_solves)
             if linear_solves:
                 columns["pcg_tolerance"] = linear_solves["pcg_tolerance"]
-            yield scheme, edge, columns, {"numerics": numerics | columns | linear_solves}
+            yield scheme, edge, columns, {"numerics": numerics}
     for scheme, mapping in SPRING_WALLS.items():
         yield scheme, max(edges), {}, {"wall": {"model": "mass-spring"} | mapping}
-    yield "reference", REFERENCE_EDGE_MM, {}, {"numerics": {"residual_tolerance": 3e-4}}
+    yield "reference", REFERENCE_EDGE_MM, {}, {"numerics": REFERENCE_NUMERICS}
+
+
+def run_case(options, case):
+    """Runs the procedure of a study's case with every scheme, on the study's mesh. Returns the rows of patients.csv.
+
+    case: folder of the case. The last row is the reference.
+    """
+    runs = [("default", {}, {})]
+    for scheme, (surface, _) in TEXTBOOK_SCHEMES.items():
+        runs.append((scheme, *textbook_settings(surface, CASE_STEP_MS, CASE_STOP_MM_PER_MS, LINEAR_SOLVES)))
+    rows = []
+    for number, (scheme, columns, numerics) in enumerate([*runs, ("reference", {}, REFERENCE_NUMERICS)]):
+        folder = options.out / case.name / str(number)
+        folder.mkdir(parents=True, exist_ok=True)
+        scene = case_scene(case, folder)
+        scene["numerics"] = scene.get("numerics", {}) | numerics
+        (folder / "scene.json").write_text(json.dumps(scene), encoding="utf-8")
+        row = {"case": case.name, "scheme": scheme} | columns
+        rows.append(row | run_outcome(options.build / "vci", folder / "scene.json", options.budget))
+        rows[-1]["times"] = rows[-1]["cpu_seconds"] / rows[0]["cpu_seconds"]
+        print(json.dumps(rows[-1]), file=sys.stderr)
+    return add_errors(rows, rows[-1] if rows[-1]["outcome"] == "balanced" else None)
 
 
 def run_scene(options, name):
@@ -142,6 +183,7 @@ def level_rows(rows):
 @guarded
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python3 -m vci.benchmarks.baseline", description=__doc__.splitlines()[0])
+    parser.add_argument("cases", nargs="*", type=pathlib.Path, help="folders with anatomy/ and vci/scene.json")
     parser.add_argument("--only", nargs="+", help="names of scenes; all without it")
     parser.add_argument("--edges", nargs="+", type=float, default=EDGES_MM, help="mm: the default's")
     parser.add_argument("--budget", type=int, default=60, help="CPU seconds after which a run is stopped")
@@ -154,6 +196,12 @@ def main(arguments=None):
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     options.out.mkdir(parents=True, exist_ok=True)
     rows = []
+    for case in options.cases:
+        rows += run_case(options, case)
+        table_rows = [{k: r[k] for k in PATIENT_COLUMNS if k in r} for r in rows]
+        write_table(table_rows, PATIENT_COLUMNS, options.out / "patients.csv")
+    if options.cases:
+        return
     for name in options.only or SCENE_NAMES:
         rows += run_scene(options, name)
         table_rows = [{k: r[k] for k in COLUMNS if k in r} for r in rows]

@@ -11,7 +11,6 @@ follow one another on one core.
 
 import argparse
 import json
-import os
 import pathlib
 import statistics
 import sys
@@ -23,7 +22,7 @@ from vtk.util.numpy_support import vtk_to_numpy
 from common import vtp
 from common.errors import ComputationError, error_summary, guarded
 from vci.benchmarks.benchmark import run_outcome, section_areas, write_table
-from vci.benchmarks.programs import run_program
+from vci.benchmarks.programs import case_scene, run_program
 
 REFERENCE_MESHES = ((0.25, 0.28), (0.3, 0.34), (0.35, 0.4))  # edges of wall and devices, mm
 STUDY_MESH = (None, None)
@@ -77,8 +76,7 @@ def deploy_scene(build, case, files, device, folder):
     outline.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    scene = json.loads((case / "vci" / "scene.json").read_text(encoding="utf-8"))
-    scene |= {key: os.path.relpath(file, folder) for key, file in files.items()}
+    scene = case_scene(case, folder, files)
     if device is not None:
         scene["numerics"] = scene.get("numerics", {}) | {"device_edge_mm": device}
     (folder / "scene.json").write_text(json.dumps(scene), encoding="utf-8")

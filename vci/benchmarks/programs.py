@@ -47,6 +47,17 @@ def process_lumen(programs, surface, units, edge, out):
             raise ComputationError("the lumen cannot be remeshed", str(surface), f"edge {edge} mm", messages.strip())
 
 
+def case_scene(case, folder, files=None):
+    """The scene (JSON) of a study's case, for a scene.json in `folder`.
+
+    case: folder of the case. files: {`lumen`, `coarse_lumen`, `centreline`: file} for the scene; without `lumen` and
+    `centreline` those of the study.
+    """
+    files = {key: case / "anatomy" / f"{key}.vtp" for key in ("lumen", "centreline")} | (files or {})
+    scene = json.loads((case / "vci" / "scene.json").read_text(encoding="utf-8"))
+    return scene | {key: os.path.relpath(file, folder) for key, file in files.items()}
+
+
 def culotte_scene(programs, edge, folder, steps=None):
     """The scene (JSON) of the bifurcation in config/cases/culotte_bench.yaml, remeshed to the edge length `edge` (mm).
 

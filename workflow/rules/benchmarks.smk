@@ -70,6 +70,32 @@ rule deployment_baseline:
         "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmarks.baseline --build {params.build} --out {params.out}"
 
 
+rule deployment_baseline_patients:
+    message:
+        "benchmark: the cohort's procedures by the textbook scheme, up to an hour a run"
+    input:
+        programs=[VCI],
+        code=module_code("vci.benchmarks.baseline"),
+        scenes=expand("results/cases/{case}/vci/scene.json", case=CASES),
+        anatomies=expand("results/cases/{case}/anatomy/anatomy.json", case=CASES),
+    output:
+        "results/benchmarks/deployment_baseline_patients/patients.csv",
+    log:
+        "results/benchmarks/logs/deployment_baseline_patients.log",
+    benchmark:
+        "results/benchmarks/logs/deployment_baseline_patients.tsv"
+    threads: ALL_CORES
+    resources:
+        **WHOLE_NODE,
+    params:
+        cases=expand("results/cases/{case}", case=CASES),
+        build=programs_folder,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmarks.baseline {params.cases} --build {params.build}"
+        " --out {params.out} --budget 3600"
+
+
 rule deployment_hard_cases:
     message:
         "benchmark: hard cases of the deployment"

@@ -3,6 +3,7 @@
 import argparse
 import csv
 import importlib.util
+import json
 import pathlib
 import signal
 
@@ -148,3 +149,28 @@ def test_table_of_first_steps_is_written_where_they_were_run(tmp_path):
     folder.mkdir(parents=True)
     (folder / "first_steps.csv").write_text(f"{hard_cases.FIRST_STEP_COLUMNS}\ncurve,5,1,0,120,130,0.02,0.123,1.5\n")
     assert "| curve | 1 | 0 | 120 | 130 | 0.020 | 0.12 | 1.50 |" in measured_tables.differences_by_first_step(tmp_path)
+
+
+def test_a_patient_is_run_by_each_scheme_on_the_mesh_of_its_study(monkeypatch, tmp_path):
+    case, scenes = tmp_path / "cases" / "lad01", []
+    (case / "vci").mkdir(parents=True)
+    study_scene = {"lumen": "../anatomy/lumen.vtp", "centreline": "../anatomy/centreline.vtp", "procedure": []}
+    (case / "vci" / "scene.json").write_text(json.dumps(study_scene | {"numerics": {"device_edge_mm": 0.45}}))
+    found = [{"cpu_seconds": 10.0, "mean_csa_mm2": 9.9, "mla_mm2": 5.0}, {"cpu_seconds": 700.0}]
+    found += [{"cpu_seconds": 300.0, "mean_csa_mm2": 10.1, "mla_mm2": 5.5}]
+    found += [{"cpu_seconds": 30.0, "mean_csa_mm2": 10.0, "mla_mm2": 5.0}]
+
+    def fake_outcome(_program, scene, budget):
+        scenes.append(json.loads(scene.read_text()))
+        assert (scene.parent / scenes[-1]["lumen"]).resolve() == case / "anatomy" / "lumen.vtp" and budget == 60
+        outcome = found[len(scenes) - 1]
+        return {"outcome": "balanced" if "mla_mm2" in outcome else "stopped"} | outcome
+
+    monkeypatch.setattr(baseline, "run_outcome", fake_outcome)
+    rows = baseline.run_case(argparse.Namespace(out=tmp_path / "out", build=pathlib.Path(), budget=60), case)
+    assert [r["scheme"] for r in rows] == ["default", *baseline.TEXTBOOK_SCHEMES, "reference"]
+    assert [r["times"] for r in rows] == [1, 70, 30, 3]
+    assert rows[2]["mla_error_percent"] == pytest.approx(10) and "mla_error_percent" not in rows[1]
+    assert [s["numerics"].get("contact_surface") for s in scenes] == [None, "facets", "smooth", None]
+    assert [s["numerics"].get("integration") for s in scenes] == [None, "textbook", "textbook", None]
+    assert scenes[3]["numerics"] == {"device_edge_mm": 0.45, "residual_tolerance": 3e-4}

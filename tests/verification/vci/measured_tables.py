@@ -54,6 +54,21 @@ TABLES = {
             "times": "times",
         },
     ),
+    "deployment_baseline_patients": (
+        "patients.csv",
+        {
+            "case": "patient",
+            "scheme": "scheme",
+            "outcome": "outcome",
+            "reason": "reason",
+            "steps": "steps",
+            "cpu_seconds": "CPU s",
+            "times": "times the default",
+            "max_penetration_mm": "deepest, mm",
+            "mean_csa_error_percent": "error of mean area, %",
+            "mla_error_percent": "of smallest area, %",
+        },
+    ),
     "deployment_sensitivity": (
         "sensitivity.csv",
         {
