@@ -22,7 +22,7 @@ READOUTS = {
     "malapposition_mm": "maximal_malapposition_mm",
 }
 COLUMNS = ["rank", "plan", "change", "ffr", "ffr_error", "as_good_as_best", "ffr_3d", *READOUTS, "wall_stretch"]
-COLUMNS += ["side_branch_loss_percent", "balloon_to_artery", "oversized"]
+COLUMNS += ["side_branch_loss_percent", "balloon_to_artery", "risks"]
 COLUMNS += ["warnings", "procedure", "status", "lumen_sha256"]
 DEPLOYED = "deployed"
 
@@ -31,8 +31,8 @@ def rank_plans(case, devices_folder, states):
     """(DataFrame of ranking.csv, {plan: steps as a case file lists them}) of a case (whatif.case.Case).
 
     states: states with a 3D answer, which calibrate the network and give its error. First come the plans as good as the
-    best (`sort_by_rank`): those that are not oversized, the largest stent area first, then the oversized, the widest
-    last. Then come the other plans by FFR. Last come plans without an answer; their `status` says why.
+    best (`sort_by_rank`): those of the fewest risks (`risks.named`) first, among them the largest stent area. Then come
+    the other plans by FFR. Last come plans without an answer; their `status` says why.
     """
     families, calibration = config.load_devices(devices_folder), calibrated.calibrate(case, states)
     steps = alternatives.case_steps(case.scene)
@@ -53,15 +53,23 @@ def sort_by_rank(table, error):
     """The rows of ranking.csv sorted by rank, with the columns rank, ffr_error and as_good_as_best.
 
     error: error of each FFR. A plan is as good as the best unless their FFRs differ by more than both errors together.
-    Among plans as good as the best an oversized one comes behind the others, however large its area, the widest last.
+    Among plans as good as the best, those of fewer risks come first, however large the areas of the others. Of as many
+    risks, the widest balloon beyond risks.LARGEST_RATIO comes last. Otherwise the largest stent area comes first.
     """
     table = table.assign(ffr_error=np.where(table["ffr"].notna(), error, np.nan))
     table["as_good_as_best"] = table["ffr"].max() - table["ffr"] <= 2 * error
     good = table["as_good_as_best"]
     excess = (table["balloon_to_artery"].astype(float) - risks.LARGEST_RATIO).clip(lower=0).fillna(0)
-    keys = {"fit": -excess.where(good), "area": table["minimal_stent_area_mm2"].astype(float).where(good)}
+    count = table["risks"].fillna("").map(lambda text: len([words for words in text.split("; ") if words]))
+    keys = {
+        "safe": -count.where(good),
+        "fit": -excess.where(good),
+        "area": table["minimal_stent_area_mm2"].astype(float).where(good),
+    }
     table = table.assign(**keys).sort_values(
-        ["as_good_as_best", *keys, "ffr", "plan"], ascending=[False, False, False, False, True], na_position="last"
+        ["as_good_as_best", *keys, "ffr", "plan"],
+        ascending=[False, False, False, False, False, True],
+        na_position="last",
     )
     table = table.drop(columns=list(keys)).reset_index(drop=True)
     table["rank"] = np.where(table["ffr"].notna(), table.index + 1, np.nan)
@@ -146,7 +154,9 @@ def deployment_columns(case, calibration, scene, deployment, lumen_file, anatomy
         "wall_stretch": risks.wall_stretch(lumen_file),
         "side_branch_loss_percent": risks.side_branch_loss(summary["branches"], before, after[1]),
         "balloon_to_artery": ratio,
-        "oversized": ratio is not None and ratio > risks.LARGEST_RATIO,
+        "risks": "; ".join(
+            risks.named(ratio, deployment.get("expansion_index"), deployment.get("maximal_malapposition_mm"))
+        ),
         "warnings": "; ".join(deployment.get("warnings", [])),
         "procedure": describe_steps(steps),
         "lumen_sha256": fingerprint(surface.read(anatomy / "lumen.vtp"), centreline.read(anatomy / "centreline.vtp")),

@@ -9,8 +9,22 @@ from common import vtp
 # 0.9 times the artery's, in 3.1 % from 0.9 to 1.1, and in 7.8 % above (Roubin et al., Circulation 1988; 78: 557-565;
 # only the abstract was read). Those balloons were inflated without stents.
 LARGEST_RATIO = 1.1
+LEAST_EXPANSION, LARGEST_MALAPPOSITION_MM = 0.6, 0.4  # limits of the engine's warnings (vci/results/readouts.hpp)
 STRETCH_PERCENTILE = 99  # percentile over the wall's points; the maximum may come from a single distorted triangle
 MOUTH_MM = 5.0  # length of a side branch, from its first cross-section on, that plaque or carina may narrow
+
+
+def named(ratio, expansion_index, malapposition_mm):
+    """The risks (list of words) of a plan whose values are beyond a limit. A value that is None is beyond none.
+
+    ratio: as balloon_to_artery returns it. expansion_index, malapposition_mm: of deployment.json.
+    """
+    beyond = {
+        "oversized balloon": ratio is not None and ratio > LARGEST_RATIO,
+        "stent not expanded": expansion_index is not None and expansion_index < LEAST_EXPANSION,
+        "stent off the wall": malapposition_mm is not None and malapposition_mm > LARGEST_MALAPPOSITION_MM,
+    }
+    return [words for words, found in beyond.items() if found]
 
 
 def balloon_to_artery(scene, sections):

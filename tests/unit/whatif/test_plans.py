@@ -27,6 +27,9 @@ DEVICES = {
 }
 
 
+OVERSIZED = "oversized balloon"
+
+
 def tapered(s_mm):
     """Sections of a vessel that tapers from 3.4 to 2.6 mm over 40 mm, as sections.csv has them."""
     s_mm = np.asarray(s_mm, float)
@@ -51,9 +54,9 @@ def test_a_stent_counts_by_its_balloon_and_the_widest_inflation_decides():
 
 
 def test_an_oversized_plan_comes_behind_those_that_fit_unless_they_are_worse():
-    columns = ["plan", "ffr", "minimal_stent_area_mm2", "balloon_to_artery"]
-    rows = [("larger", 0.90, 9.0, 1.2), ("planned", 0.90, 7.0, 1.1), ("shorter", 0.89, 7.5, 0.9)]
-    rows += [("worse", 0.80, 8.0, 1.0), ("impossible", np.nan, np.nan, np.nan)]
+    columns = ["plan", "ffr", "minimal_stent_area_mm2", "balloon_to_artery", "risks"]
+    rows = [("larger", 0.90, 9.0, 1.2, OVERSIZED), ("planned", 0.90, 7.0, 1.1, ""), ("shorter", 0.89, 7.5, 0.9, "")]
+    rows += [("worse", 0.80, 8.0, 1.0, ""), ("impossible", np.nan, np.nan, np.nan, np.nan)]
     ranked = plans.sort_by_rank(pd.DataFrame(rows, columns=columns), 0.01)
     assert list(ranked["plan"]) == ["shorter", "planned", "larger", "worse", "impossible"]
     assert list(ranked["rank"][:4]) == [1, 2, 3, 4] and ranked["rank"].isna().iloc[4]
@@ -61,10 +64,31 @@ def test_an_oversized_plan_comes_behind_those_that_fit_unless_they_are_worse():
     assert list(plans.sort_by_rank(table, 0.01)["plan"]) == ["larger", "worse", "impossible"]
 
 
-def test_where_every_plan_is_oversized_the_widest_comes_last():
-    columns = ["plan", "ffr", "minimal_stent_area_mm2", "balloon_to_artery"]
-    rows = [("larger", 0.90, 6.8, 1.33), ("planned", 0.90, 6.0, 1.24), ("smaller", 0.90, 5.2, 1.14)]
+def test_a_plan_of_two_risks_comes_behind_one_of_one_whatever_their_areas():
+    columns = ["plan", "ffr", "minimal_stent_area_mm2", "balloon_to_artery", "risks"]
+    rows = [("none", 0.90, 6.0, 1.0, ""), ("off", 0.90, 7.0, 1.0, "stent off the wall")]
+    rows += [("both", 0.90, 9.0, 1.0, "stent not expanded; stent off the wall"), ("wide", 0.90, 8.0, 1.2, OVERSIZED)]
     ranked = plans.sort_by_rank(pd.DataFrame(rows, columns=columns), 0.01)
+    assert list(ranked["plan"]) == ["none", "off", "wide", "both"]
+
+
+@pytest.mark.parametrize(
+    "values, words",
+    [
+        ((1.1, 0.6, 0.4), []),
+        ((1.101, 0.6, 0.4), [OVERSIZED]),
+        ((1.1, 0.599, 0.401), ["stent not expanded", "stent off the wall"]),
+        ((None, None, None), []),
+    ],
+)
+def test_a_value_at_its_limit_is_no_risk(values, words):
+    assert risks.named(*values) == words
+
+
+def test_where_every_plan_is_oversized_the_widest_comes_last():
+    rows = [("larger", 0.90, 6.8, 1.33), ("planned", 0.90, 6.0, 1.24), ("smaller", 0.90, 5.2, 1.14)]
+    columns = ["plan", "ffr", "minimal_stent_area_mm2", "balloon_to_artery"]
+    ranked = plans.sort_by_rank(pd.DataFrame(rows, columns=columns).assign(risks=OVERSIZED), 0.01)
     assert list(ranked["plan"]) == ["smaller", "planned", "larger"]
 
 
