@@ -1,10 +1,14 @@
-"""Where each figure and table of the published study is in the report: the rows of source_map.yaml, as links."""
+"""Where each figure, table and equation of the published study is: the rows of source_map.yaml, as links."""
 
 import pathlib
+import re
+
+import markupsafe
 
 from common.documents import config
 from reports.page.folder import BENCHMARKS, INDEX, case_page
 
+MARKS = re.compile(r"`([^`]+)`|\[([^\]]+)\]\([^)]+\)")  # code, or a link, in Markdown
 SOURCE_MAP_FILE = pathlib.Path(__file__).with_name("source_map.yaml")
 
 
@@ -17,11 +21,11 @@ def read_source_map():
 
 
 def source_map_rows(ids, names):
-    """Rows {number, what, links, missing, remark} for the table of the index page.
+    """Rows {number, what, code, links, missing, remark} for the table of the index page.
 
     ids: {page: ids of its elements}, with pages named as in the report's folder. names: cases of the report. links:
     [{href, words, case}], relative to the index; `case` is empty for a page that is no patient's. missing:
-    [{words, needs}] of the places that this report does not have; `needs` may be empty. remark: may be empty.
+    [{words, needs}] of the places that this report does not have; `needs` may be empty. code, remark: HTML, or empty.
     """
     rows = []
     for row in read_source_map():
@@ -36,9 +40,15 @@ def source_map_rows(ids, names):
                 page, name = found
                 href = f"{'' if page == INDEX else page}#{place['section']}"
                 links.append({"href": href, "words": place["words"], "case": name})
-        shown = {"number": row["number"], "what": row["what"], "remark": row.get("remark", "")}
-        rows.append({**shown, "links": links, "missing": missing})
+        texts = {key: inline_html(row.get(key, "")) for key in ("code", "remark")}
+        rows.append({"number": row["number"], "what": row["what"], **texts, "links": links, "missing": missing})
     return rows
+
+
+def inline_html(text):
+    """HTML (markupsafe.Markup) of a line of Markdown with code and links. Links lead out of the report, so they go."""
+    escaped = str(markupsafe.escape(text))
+    return markupsafe.Markup(MARKS.sub(lambda m: f"<code>{m[1]}</code>" if m[1] else m[2], escaped))
 
 
 def place_pages(place, names):

@@ -2,8 +2,7 @@
 
     /usr/bin/python3 tests/verification/source_tables.py
 
-A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`. The table of equations 1 to 23 is none of
-them: the report does not show these.
+A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`.
 """
 
 import pathlib
@@ -21,7 +20,7 @@ PAGE_NAMES = {"index": "index", "patient": "a patient's page", "benchmarks": "be
 
 
 def equations(_=None):
-    """Markdown of the equations that the report prints by number."""
+    """Markdown of the equations."""
     return table(row for row in read_source_map() if row["number"].startswith(EQUATION))
 
 
@@ -40,6 +39,8 @@ def cells(row):
     number, remark = row["number"].removeprefix(EQUATION), row.get("remark", "")
     if "code" not in row:
         return [number, row["what"], f"none: {remark}", "no"]
+    if not row["places"]:
+        return [number, row["what"], row["code"], "index, `#source-map`: file and function"]
     return [number, row["what"], row["code"], ". ".join(filter(None, ["; ".join(map(words, row["places"])), remark]))]
 
 

@@ -1,4 +1,4 @@
-"""The report's table of the source's figures and tables: each has a row, and what it links to is on the pages."""
+"""The report's table of the source's figures, tables and equations: each has a row, and its links lead somewhere."""
 
 import html
 import re
@@ -36,12 +36,13 @@ def section(ids, names=NAMES):
     return html.unescape(" ".join(environment().get_template("source_map.html.j2").render(source_map=rows).split()))
 
 
-def test_each_figure_and_table_and_the_equations_of_the_report_have_a_row():
+def test_each_figure_table_and_equation_has_a_row():
     numbers = [*(f"Figure {n}" for n in range(1, 9)), "Published means and agreement", "Supplementary table 1"]
     rows = source_map.read_source_map()
-    assert [row["number"] for row in rows] == [*numbers, "Equation 24", "Equation 25"]
+    assert [row["number"] for row in rows] == [*numbers, *(f"Equation {n}" for n in range(1, 26))]
     for row in rows:
-        assert row["places"] or len(row["remark"]) > 40, f"{row['number']}: neither a place nor a reason"
+        known = row["places"] or "code" in row or len(row["remark"]) > 40
+        assert known, f"{row['number']}: neither a place nor code nor a reason"
 
 
 def test_each_place_is_an_element_of_a_template():
@@ -78,6 +79,7 @@ def test_what_this_run_lacks_is_said_with_what_it_needs():
         "what": "Diff^A, difference of area",
         "links": [],
         "missing": [{"words": "along the stent, of each patient", "needs": "a lumen after PCI"}],
+        "code": "<code>reports/study/differences.py</code>: <code>station_table</code>, <code>difference_table</code>",
         "remark": "",
     }
     assert "#differences" not in section(ids)
@@ -87,6 +89,13 @@ def test_a_figure_that_is_not_there_has_its_reason():
     text = section(every_id())
     assert text.count("Not shown: the article's full text could not be opened here") == 2
     assert "it needs 3 to 60 times the time of the default" in text and "nearly as much as the whole study" in text
+
+
+def test_an_equation_of_the_method_is_shown_by_its_file_and_function():
+    row = section(every_id())
+    row = row[row.index("<th>Equation 12</th>") : row.index("<th>Equation 13</th>")]
+    assert "<code>vci/linalg/pcg.cpp</code>: <code>solve_pcg</code>" in row and "not in this run" not in row
+    assert source_map.inline_html("`a<b` and [its page](x.md)") == "<code>a&lt;b</code> and its page"
 
 
 @pytest.mark.parametrize(
