@@ -42,7 +42,7 @@ def study_figures(documents, folder):
 def agreement_figure(documents, folder):
     """Writes agreement.{svg,png}: Bland-Altman plots of FFR, areas and curvature, with a row for each kind of error.
 
-    All panels of a quantity have the same vertical axis, so that a reader can compare the kinds of error. The published
+    All panels of a quantity have the same axes, so that a reader can compare the kinds of error. The published
     agreement is a `clinical` error, so it is drawn in that row.
     """
     comparisons = {kind: [(a, b) for a, b, error in COMPARISONS if error == kind] for kind in ERROR_LABELS}
@@ -54,7 +54,9 @@ def agreement_figure(documents, folder):
     entries = sum(has_pairs(documents, common_quantity(kind), [pair]) for kind in shown for pair in comparisons[kind])
     legend_height = LEGEND_MARGIN + LEGEND_ROW * -(-(entries + ("clinical" in shown)) // 2)
     height = ROW_HEIGHT * len(shown) + legend_height
-    figure, grid = plt.subplots(len(shown), len(QUANTITIES), figsize=(13.5, height), squeeze=False, sharey="col")
+    figure, grid = plt.subplots(
+        len(shown), len(QUANTITIES), figsize=(13.5, height), squeeze=False, sharex="col", sharey="col"
+    )
     for row, kind in zip(grid, shown):
         for axes, quantity in zip(row, QUANTITIES):
             if not has_pairs(documents, quantity, comparisons[kind]):
@@ -63,6 +65,8 @@ def agreement_figure(documents, folder):
             agreement_panel(axes, documents, quantity, comparisons[kind])
         first = next(axes for axes in row if axes.axison)
         first.set_ylabel(f"{ERROR_LABELS[kind]}\n{first.get_ylabel()}")
+    for axes, quantity in zip(grid[0], QUANTITIES):
+        widen_horizontal_axis(axes, QUANTITY_AXES[quantity][2])
     if "clinical" in shown:
         for axes, quantity in zip(grid[shown.index("clinical")], QUANTITIES):
             draw_published(axes, published_results()["quantities"].get(quantity))
@@ -111,12 +115,17 @@ def agreement_panel(axes, documents, quantity, pairs):
         cases, first, second = paired_values(documents, quantity, a, b)
         if cases:
             draw_pairs(axes, a, b, np.array(first), np.array(second))
-    title, unit, least = QUANTITY_AXES[quantity]
+    title, unit, _ = QUANTITY_AXES[quantity]
+    axes.xaxis.set_major_locator(plt.MaxNLocator(5))
+    axes.tick_params(labelbottom=True)  # in every row, although the rows share the axis
+    axes.set(title=title, xlabel=f"mean of both{unit}", ylabel=f"difference{unit}")
+
+
+def widen_horizontal_axis(axes, least):
+    """Makes the horizontal axis at least `least` wide, about its middle, in all panels that share it."""
     low, high = axes.get_xlim()
     if high - low < least:
         axes.set_xlim(0.5 * (low + high - least), 0.5 * (low + high + least))
-    axes.xaxis.set_major_locator(plt.MaxNLocator(5))
-    axes.set(title=title, xlabel=f"mean of both{unit}", ylabel=f"difference{unit}")
 
 
 def draw_pairs(axes, first_state, second_state, a, b):

@@ -45,9 +45,19 @@ def signed_significant(value, digits=2):
     return MISSING if value is None else signed(value, decimals(value, digits))
 
 
+def enough_decimals(value, least):
+    """Number of decimals: `least`, or more so that two significant digits of `value` are shown."""
+    return max(least, min(MOST_DIGITS, decimals(value, 2) if value else 0))
+
+
 def signed_decimals(value, least):
-    """A difference with its sign. It has `least` decimals, or more so that two significant digits are shown."""
-    return MISSING if value is None else signed(value, max(least, min(MOST_DIGITS, decimals(value, 2) if value else 0)))
+    """A difference with its sign, with `enough_decimals`; a dash if it is missing."""
+    return MISSING if value is None else signed(value, enough_decimals(value, least))
+
+
+def fixed_decimals(value, least):
+    """A size such as a standard deviation, with `enough_decimals`; a dash if it is missing."""
+    return MISSING if value is None else fixed(value, enough_decimals(value, least))
 
 
 def scientific(value):
@@ -62,5 +72,15 @@ def percent(value, digits=1):
 
 FILTERS = {
     one.__name__: one
-    for one in (lower_first, fixed, signed, significant, signed_significant, signed_decimals, scientific, percent)
+    for one in (
+        lower_first,
+        fixed,
+        signed,
+        significant,
+        signed_significant,
+        signed_decimals,
+        fixed_decimals,
+        scientific,
+        percent,
+    )
 }

@@ -114,7 +114,7 @@ def test_published_values_keep_the_digits_of_the_source(results):
     rows += ["included,minimum_area,ct_vci_minus_ct,9,-0.7,0.628,-1.93,0.53,,"]
     (results / "study" / "agreement.csv").write_text("\n".join([columns, *rows]) + "\n")
     ffr, area, smallest = study_tables.agreement(results).splitlines()[2:]
-    assert ffr.endswith("| -0.00077 | 0.0021 | -0.005 to +0.003 | -0.02 ± 0.05 |")
+    assert ffr.endswith("| -0.00077 | 0.0021 | -0.0050 to +0.0030 | -0.02 ± 0.05 |")
     assert area.endswith("| -1.55 ± 1.89 |") and smallest.endswith("|  |")
     rows = [
         "by,name,n,mean_s,sd_s,published_mean_s,published_sd_s",

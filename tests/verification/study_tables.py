@@ -54,7 +54,7 @@ def format_number(text, digits, sign=""):
 
 
 def format_small(text, least):
-    """A bias as the report's page writes it: `least` decimals, or more if two significant digits need them."""
+    """A difference as the report's page writes it: `least` decimals, or more if two significant digits need them."""
     return signed_decimals(float(text), least).replace("−", "-")
 
 
@@ -139,7 +139,7 @@ def agreement(results, name="agreement"):
             continue
         digits = DIGITS[row["quantity"]]
         published = format_published(row["published_bias"], row["published_sd"])
-        low, high = (format_number(row[f"loa_{end}"], digits, "+") for end in ("lower", "upper"))
+        low, high = (row[f"loa_{end}"] and format_small(row[f"loa_{end}"], digits) for end in ("lower", "upper"))
         line = [
             QUANTITY_NAMES[row["quantity"]],
             COMPARISON_NAMES[row["comparison"]],

@@ -141,7 +141,7 @@ def test_rows_of_the_agreement_share_the_axis_of_a_quantity(measured_case, tmp_p
     study_module.agreement_figure([json.loads((one / "metrics.json").read_text()) for one in folders], tmp_path)
     grid = np.reshape(drawn[0].axes, (4, 4))
     for column in grid.T:
-        assert len({axes.get_ylim() for axes in column}) == 1
+        assert len({axes.get_ylim() for axes in column}) == 1 and len({axes.get_xlim() for axes in column}) == 1
         low, high = column[0].get_ylim()
         points = [y for axes in column for line in axes.lines if line.get_marker() != "None" for y in line.get_ydata()]
         assert len(points) == 14 and low < min(points) and high > max(points)

@@ -11,7 +11,7 @@ from common.errors import InputError
 from reports.__main__ import main
 from reports.page.benchmarks import TITLES
 from reports.page.check import check_report, read_pages, run_browser
-from reports.page.digits import fixed, signed, signed_decimals, signed_significant, significant
+from reports.page.digits import fixed, fixed_decimals, signed, signed_decimals, signed_significant, significant
 from reports.page.evidence import evidence_rows, read_test_results
 from reports.page.folder import report_folder
 from reports.page.source_map import read_source_map
@@ -369,6 +369,8 @@ def test_what_is_no_test_result_is_refused(tmp_path, text):
 def test_numbers_as_they_are_shown():
     assert signed(-0.02) == "−0.02" and signed(0.123, 1) == "+0.1" and signed(-0.001) == "0.00"
     assert signed_decimals(-0.00012345, 3) == "−0.00012" and signed_decimals(0.0123, 3) == "+0.012"
+    assert fixed_decimals(0.00042, 3) == "0.00042" and fixed_decimals(0.0123, 3) == "0.012"
+    assert fixed_decimals(0.0, 3) == "0.000" and fixed_decimals(None, 3) == "–"
     assert (
         signed_decimals(1e-9, 3) == "0.000000"
         and signed_decimals(0.0, 3) == "0.000"
