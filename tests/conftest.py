@@ -9,6 +9,15 @@ from places import ROOT, build_folder, public_data
 PYTHON = "/usr/bin/python3"
 
 
+@pytest.fixture(scope="session", autouse=True)
+def recorded_revision(record_testsuite_property):
+    """The results of the tests name the revision that they ran on, so that the report can say it."""
+    command = ["git", "-C", ROOT, "describe", "--always", "--abbrev=8", "--exclude=*", "--dirty= with changes"]
+    found = subprocess.run(command, text=True, capture_output=True, check=False)
+    if found.returncode == 0:  # an unpacked archive of the repository has no revision
+        record_testsuite_property("revision", found.stdout.strip())
+
+
 @pytest.fixture(scope="session")
 def repo_root():
     """Root of the repository."""

@@ -22,7 +22,7 @@ VALIDATION = ("validation against benches", "validation against patients")
 
 
 def evidence_context(junit, benchmarks):
-    """{claims, rows, days}: results of claim_row, of evidence_rows and of days_of_tests.
+    """{claims, rows, days, revisions}: results of claim_row, of evidence_rows, days_of_tests and revisions_of_tests.
 
     junit: files of test results. benchmarks: result of read_benchmarks. Raises InputError for a file that cannot be
     read.
@@ -34,6 +34,7 @@ def evidence_context(junit, benchmarks):
         "claims": [claim_row(claim, outcomes, shown) for claim in read_claims()],
         "rows": evidence_rows(results),
         "days": days_of_tests(junit),
+        "revisions": revisions_of_tests(junit),
     }
 
 
@@ -130,6 +131,12 @@ def days_of_tests(paths):
     stamps = {suite.get("timestamp", "")[:10] for path in paths for suite in read_junit(path).iter("testsuite")}
     days = sorted(datetime.date.fromisoformat(stamp) for stamp in stamps if stamp)
     return [f"{day.day} {day:%B %Y}" for day in days]
+
+
+def revisions_of_tests(paths):
+    """The revisions that the tests in JUnit files ran on, as tests/conftest.py records them. A file may name none."""
+    properties = [found for path in paths for found in read_junit(path).iter("property")]
+    return sorted({found.get("value", "") for found in properties if found.get("name") == "revision"})
 
 
 def test_group(case):

@@ -95,6 +95,16 @@ def test_a_claim_shows_its_counts_its_gap_and_its_tests(context, claims):
     assert "Walls are rigid, the flow is steady" in text
 
 
+def test_the_revision_that_the_tests_ran_on_is_shown(context, tmp_path):
+    found = context(("flow.test_cylinder", "test_b", ""))
+    assert "It may be older than this study." in section(found)
+    text = (tmp_path / "junit.xml").read_text()
+    recorded = '<properties><property name="revision" value="f71c4ff2 with changes"/></properties>'
+    (tmp_path / "junit.xml").write_text(text.replace("<testcase", recorded + "<testcase", 1))
+    text = section(evidence.evidence_context([tmp_path / "junit.xml"], read_benchmarks(None, None)))
+    assert "They ran on revision f71c4ff2 with changes; " in text and "It may be older" not in text
+
+
 def test_a_claim_without_evidence_is_shown_as_such(context, claims):
     bare = [claim for claim in claims.values() if not claim["kinds"]]
     text = section(context())
