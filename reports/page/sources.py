@@ -21,6 +21,7 @@ class Source:
 
 CASE = "results/cases/{case}"
 SOURCES = {
+    "verdict": Source("results/study/nearer.csv", ("cohort.csv", "agreement.csv", "nearer.csv")),
     "states_of_cohort": Source("results/study/cohort.csv", ("cohort.csv",)),
     "ffr_before_after": Source("results/figures/ffr_before_after.svg", ("cohort.csv",)),
     "seconds": Source("results/study/seconds.csv", ("seconds.csv",)),
