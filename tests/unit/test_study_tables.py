@@ -10,7 +10,7 @@ import pytest
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1] / "verification")]
 
 import study_tables  # noqa: E402
-import study_throats  # noqa: E402
+import study_reference  # noqa: E402
 from page_tables import TABLE_MARKS  # noqa: E402
 
 from common import vtp  # noqa: E402
@@ -184,15 +184,27 @@ def treated(tmp_path):
 
 def test_the_narrowest_place_of_truth_and_stent(treated):
     """The last frame of an inflation counts for the stent, not one of an extraction, at the place of the slice."""
-    lines = study_throats.throats(treated).splitlines()
+    lines = study_reference.throats(treated).splitlines()
     assert lines[2] == "| a | 1.20 | 3.40 | 3.30 | 3.06 | 3.00 | 3.00 | 10.0 | 9.1 |"
     assert lines[3] == "| all |  |  |  |  |  |  | 10.0 | 9.1 |"
 
 
 def test_a_tilted_ring_counts_by_its_section_across_the_axis(tmp_path):
     _write_stent(tmp_path / "stent.vtp", 3.0, tilt=0.3)
-    assert study_throats.ring_diameter(tmp_path / "stent.vtp", 0.0) == pytest.approx(3.0, rel=1e-6)
+    assert study_reference.ring_diameter(tmp_path / "stent.vtp", 0.0) == pytest.approx(3.0, rel=1e-6)
 
 
 def test_no_table_of_narrowest_places_without_frames(results):
-    assert study_throats.throats(results) is None
+    assert study_reference.throats(results) is None
+
+
+def test_the_truths_own_error_has_a_row_a_patient(tmp_path):
+    assert study_reference.truth_errors(tmp_path) is None
+    folder = tmp_path / "cases" / "lad01" / "reference"
+    folder.mkdir(parents=True)
+    estimate = {"slices": [{}], "step_area_percent": 0.0207, "mesh_area_percent": -0.0042}
+    estimate |= {"mesh_and_step_area_percent": 0.0166, "spacing_area_percent": {"mean": 0.121, "largest": 0.51}}
+    truth = {"case": "lad01", "slices": [{}, {}, {}], "error_estimate": estimate}
+    (folder / "reference.json").write_text(json.dumps(truth))
+    line = study_reference.truth_errors(tmp_path).splitlines()[2]
+    assert line == "| lad01 | 3 | 1 | 0.021 | 0.004 | 0.017 | 0.12 | 0.51 |"

@@ -16,7 +16,7 @@ import pandas as pd
 sys.path[:0] = [str(pathlib.Path(__file__).parent), str(pathlib.Path(__file__).resolve().parents[2])]
 
 from page_tables import Page, markdown  # noqa: E402
-from study_throats import throats  # noqa: E402
+from study_reference import throats, truth_errors  # noqa: E402
 
 from reports.__main__ import read_metrics  # noqa: E402
 from reports.page.digits import signed_decimals  # noqa: E402
@@ -335,6 +335,7 @@ TABLE_FUNCTIONS |= {
     "flow_inputs": flow_inputs,
     "deployment_inputs": deployment_inputs,
     "throats": throats,
+    "truth_errors": truth_errors,
     "nearer_half_maximum": nearer_half_maximum,
 }
 PAGE = Page("docs/nine-patients.md", {}, {}, TABLE_FUNCTIONS)

@@ -1,6 +1,7 @@
-"""The narrowest place of each patient: how far balloon and stent open it, and how far it springs back.
+"""Tables on the reference: how far it opens each patient's narrowest place beside the engine, and its own error.
 
-There the stent lies against the wall in both models, so the reference's lumen may be compared with the engine's stent.
+At the narrowest place the stent lies against the wall in both models, so the reference's lumen may be compared with the
+engine's stent.
 """
 
 import json
@@ -84,3 +85,22 @@ def ring_diameter(path, from_middle_mm):
     polygons = 0.5 * np.abs(np.einsum("rvi,ri->r", np.cross(spokes, np.roll(spokes, -1, axis=1)), axis))
     circles = polygons * (2 * np.pi / count) / np.sin(2 * np.pi / count)
     return float(np.interp(from_middle_mm, along - 0.5 * along[-1], 2 * np.sqrt(circles / np.pi)))
+
+
+def truth_errors(results):
+    """Markdown with a row a patient: what the reference estimates of its error (reference.json); None without one.
+
+    All are changes of a section's area in percent: of the checked slices with half the load step, with twice the
+    elements, and with both, and of any place if a slice is left out.
+    """
+    table = []
+    for file in sorted((results / "cases").glob("*/reference/reference.json")):
+        truth = json.loads(file.read_text())
+        found, changed = truth["error_estimate"], ("step", "mesh", "mesh_and_step")
+        row = [truth["case"], str(len(truth["slices"])), str(len(found["slices"]))]
+        row += [f"{abs(found[f'{key}_area_percent']):.3f}" for key in changed]
+        table.append([*row, *(f"{found['spacing_area_percent'][key]:.2f}" for key in ("mean", "largest"))])
+    if not table:
+        return None
+    headings = ["patient", "slices", "checked", "half the load step, %", "twice the elements, %", "both, %"]
+    return markdown([*headings, "a slice left out, mean, %", "a slice left out, largest, %"], table)
