@@ -88,11 +88,12 @@ def test_nine_patients_spread_like_the_published_ones(repo_root):
     """Published: FFR below .80 before, .90 (.08) or .92 (.09) after; area after 16.4 (4.4) or 17.9 (4.8) mm2.
 
     The limits here differ from these for two reasons. The area is a little less than that of the widest balloon, which
-    is checked instead. The network has a smaller pressure loss than the flow in three dimensions.
+    is checked instead. The network has a smaller pressure loss than the flow in three dimensions. Curvature is .15
+    (.04) or .17 (.03) /mm after. Before, it is checked to be a fifth to a third larger, which the two models take away.
     """
     cases = cases_of(repo_root, "nine")
     assert len(cases) == 9
-    after, widest, unprepared, bifurcations, calcified, two = [], [], [], [], [], []
+    after, widest, unprepared, bifurcations, calcified, two, curvature = [], [], [], [], [], [], []
     for name, case in cases.items():
         branches = tree.grow(case["vessel"], name)
         lesions = treated_lesions(case)
@@ -101,7 +102,8 @@ def test_nine_patients_spread_like_the_published_ones(repo_root):
         lesion = lesions[0]
         reach = 0.5 * lesion["length_mm"] + 2.5
         place = np.linspace(lesion["centre_s_mm"] - reach, lesion["centre_s_mm"] + reach, 80)
-        assert 0.1 <= branches[0].axis.curvature(place).mean() <= 0.25, name
+        curvature.append(branches[0].axis.curvature(place).mean())
+        assert 0.1 <= curvature[-1] <= 0.25, name
         mouths = [side["s_mm"] for side in case["vessel"]["side_branches"]]
         bifurcations += [name] if any(stenosis_share(lesion, s) > 0.4 for s in mouths) else []
         calcified += [name] if lesion.get("calcium", {}).get("arc_deg", 0) > 180 else []
@@ -111,6 +113,7 @@ def test_nine_patients_spread_like_the_published_ones(repo_root):
             balloons = [device["diameter_mm"] for step in case["plan"] for device in step["devices"]]
             widest.append(np.pi / 4 * max(balloons) ** 2)
     assert np.mean(after) == pytest.approx(0.93, abs=0.02) and 0.03 < np.std(after, ddof=1) < 0.06
+    assert 0.18 < np.mean(curvature) < 0.22 and 0.02 < np.std(curvature, ddof=1) < 0.05
     assert min(after) < 0.87 and max(after) > 0.98
     assert 15 < np.mean(widest) < 20 and 3.5 < np.std(widest, ddof=1) < 6
     assert [len(names) for names in (unprepared, bifurcations, calcified, two)] == [2, 2, 1, 1]
