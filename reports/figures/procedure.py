@@ -16,6 +16,7 @@ STAGE_TITLES = {
 }
 VIEW_MARGIN_MM = 6.0  # length of vessel shown beyond the devices
 BALLOON_COLOUR, STENT_COLOUR = (0.55, 0.72, 0.90, 1.0), (0.16, 0.16, 0.2, 1.0)
+STENT_OPACITY = 0.45  # a balloon inside is seen through the stent
 FIGURE_WIDTH = 7.5  # inches
 TITLE_HEIGHT = 0.32  # inches, height of a row's title
 
@@ -55,14 +56,14 @@ def procedure_figure(case, deployment, frames, folder):
 
 
 def draw_stage(axes, axes3, lumen, stents, balloons):
-    """Draws the far wall, balloons, the stents on them, and a see-through near wall."""
+    """Draws the far wall, balloons, and the stents on them and the near wall, which are see-through."""
     wall = project_triangles(lumen, axes3)
     grey = np.full((len(lumen.triangles), 4), NO_FFR_COLOUR)
     draw_triangles(axes, wall, ~wall["near"], grey, FAR_WALL_OPACITY)
-    for devices, colour in ((balloons, BALLOON_COLOUR), (stents, STENT_COLOUR)):
+    for devices, colour, opacity in ((balloons, BALLOON_COLOUR, 1.0), (stents, STENT_COLOUR, STENT_OPACITY)):
         for device in devices:
             projected = project_triangles(device, axes3)
-            draw_triangles(axes, projected, projected["near"], np.full((len(device.triangles), 4), colour), 1.0)
+            draw_triangles(axes, projected, projected["near"], np.full((len(device.triangles), 4), colour), opacity)
     draw_triangles(axes, wall, wall["near"], grey, NEAR_WALL_OPACITY if stents or balloons else 1.0)
 
 
