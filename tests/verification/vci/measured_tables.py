@@ -146,6 +146,7 @@ FIRST_STEPS = {  # columns of first_steps.csv: their headings
     "minimal_area_spread_percent": "of smallest area, %",
 }
 DIGITS = {
+    "max_penetration_mm": ".3f",
     "mean_area_spread_percent": ".2f",
     "minimal_area_spread_percent": ".2f",
     "youngs_modulus_mpa": ".0f",
