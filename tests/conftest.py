@@ -1,10 +1,13 @@
 """Fixtures for all tests: the repository's root, the public data, the built programs, and a part's command."""
 
+import contextlib
 import subprocess
 
 import pytest
 
+from common.errors import InputError
 from places import ROOT, build_folder, public_data
+from reports.study.software import git_output
 
 PYTHON = "/usr/bin/python3"
 
@@ -12,10 +15,9 @@ PYTHON = "/usr/bin/python3"
 @pytest.fixture(scope="session", autouse=True)
 def recorded_revision(record_testsuite_property):
     """The results of the tests name the revision that they ran on, so that the report can say it."""
-    command = ["git", "-C", ROOT, "describe", "--always", "--abbrev=8", "--exclude=*", "--dirty= with changes"]
-    found = subprocess.run(command, text=True, capture_output=True, check=False)
-    if found.returncode == 0:  # an unpacked archive of the repository has no revision
-        record_testsuite_property("revision", found.stdout.strip())
+    with contextlib.suppress(InputError):  # an unpacked archive of the repository has no revision
+        words = ("describe", "--always", "--abbrev=8", "--exclude=*", "--dirty= with changes")
+        record_testsuite_property("revision", git_output(ROOT, *words))
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,7 @@
 """Compares speed and error of the default solver with the textbook scheme, and with a wall of springs.
 
 /usr/bin/python3 -m vci.benchmarks.baseline --out results/baseline [--edges 1.0 0.8 ...] [--only NAME ...] [--budget 60]
-/usr/bin/python3 -m vci.benchmarks.baseline results/cases/lad01 --out results/baseline [--budget 3600]
+/usr/bin/python3 -m vci.benchmarks.baseline results/cases/lad01 --out results/baseline [--budget 400]
 
 The first command runs generated scenes. The second runs the procedures of a study's cases, on the study's meshes. The
 textbook scheme has fixed time steps and solves by conjugate gradients without preconditioner. It moves the whole

@@ -72,7 +72,7 @@ rule deployment_baseline:
 
 rule deployment_baseline_patients:
     message:
-        "benchmark: the cohort's procedures by the textbook scheme, up to an hour a run"
+        "benchmark: the cohort's procedures by the textbook scheme, up to 400 CPU s a run"
     input:
         programs=[VCI],
         code=module_code("vci.benchmarks.baseline"),
@@ -93,7 +93,7 @@ rule deployment_baseline_patients:
         out=output_folder,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmarks.baseline {params.cases} --build {params.build}"
-        " --out {params.out} --budget 3600"
+        " --out {params.out} --budget 400"
 
 
 rule deployment_hard_cases:

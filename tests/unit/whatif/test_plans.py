@@ -1,5 +1,6 @@
 """Plans are compared over one and the same stretch of the vessel, and an oversized one does not come first."""
 
+import re
 import types
 
 import numpy as np
@@ -83,6 +84,15 @@ def test_a_plan_of_two_risks_comes_behind_one_of_one_whatever_their_areas():
 )
 def test_a_value_at_its_limit_is_no_risk(values, words):
     assert risks.named(*values) == words
+
+
+def test_the_limits_are_those_of_the_engines_warnings(repo_root):
+    text = (repo_root / "vci" / "results" / "readouts.hpp").read_text()
+    limits = [
+        float(re.search(rf"double {name} = ([\d.]+);", text)[1])
+        for name in ("least_expansion", "largest_malapposition")
+    ]
+    assert limits == [risks.LEAST_EXPANSION, risks.LARGEST_MALAPPOSITION_MM]
 
 
 def test_where_every_plan_is_oversized_the_widest_comes_last():
