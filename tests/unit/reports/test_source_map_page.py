@@ -93,7 +93,7 @@ def test_a_figure_that_is_not_there_has_its_reason():
 
 def test_an_equation_of_the_method_is_shown_by_its_file_and_function():
     row = section(every_id())
-    row = row[row.index("<th>Equation 12</th>") : row.index("<th>Equation 13</th>")]
+    row = row[row.index("Equation 12</th>") : row.index("Equation 13</th>")]
     assert "<code>vci/linalg/pcg.cpp</code>: <code>solve_pcg</code>" in row and "not in this run" not in row
     assert source_map.inline_html("`a<b` and [its page](x.md)") == "<code>a&lt;b</code> and its page"
 
