@@ -75,7 +75,8 @@ std::vector<double> malapposition_on_lumen(const RunState& run) {
 
 std::vector<double> stretch_on_lumen(const RunState& run) {
   std::vector<double> all(run.lumen.points.size(), 1.0);
-  const std::vector<double> stretch = vertex_stretch(*run.wall.intima, run.system.body(0).triangles, run.system.x);
+  const std::vector<double> stretch =
+      vertex_stretch(*run.wall.healthy_layer, run.system.body(0).triangles, run.system.x);
   for (std::size_t i = 0; i < run.wall.lumen_vertex.size(); ++i)
     all[run.wall.lumen_vertex[i]] = stretch[i];
   return all;

@@ -8,13 +8,11 @@ namespace vci {
 
 std::array<double, 2> RingLaw::pressure_and_slope(double u) const {
   const double a = lumen_radius + std::max(u, 0.0);
-  const double b = std::sqrt(media_radius * media_radius + a * a - lumen_radius * lumen_radius);
-  const double e = b / media_radius - 1.0;
-  const double db = a / b, de = db / media_radius;
-  const double tension =
-      media_stiffness * e * (1 + stiffening * e * e) + tissue_modulus * e * b + blood_pressure * (lumen_radius - a);
-  const double slope =
-      media_stiffness * de * (1 + 3 * stiffening * e * e) + tissue_modulus * (de * b + e * db) - blood_pressure;
+  const double b = std::sqrt(tissue_radius * tissue_radius + a * a - lumen_radius * lumen_radius);
+  const double e = b / tissue_radius - 1.0;
+  const double db = a / b, de = db / tissue_radius;
+  const double tension = tissue_modulus * e * b + blood_pressure * (lumen_radius - a);
+  const double slope = tissue_modulus * (de * b + e * db) - blood_pressure;
   const double inwards = std::min(u, 0.0);
   return {(tension + slope * inwards) / lumen_radius, slope / lumen_radius};
 }

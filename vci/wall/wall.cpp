@@ -106,18 +106,18 @@ TrianglePlaque triangle_plaque(const Triangle& t, const Lumen& lumen, const Wall
   return plaque;
 }
 
-/// Adds the healthy intima and, on triangles with plaque, two layers that represent the plaque. Returns the intima,
-/// whose stretch is reported.
+/// Adds the healthy wall, that is intima and media, and two layers of plaque on triangles that have any. Returns the
+/// healthy wall, whose stretch is reported.
 const Layer* add_wall_layers(System& system, int body, const MovingPart& part, const Lumen& lumen, const Wall& wall,
                              const WallSpec& spec) {
-  std::vector<HenckyLaw> intima;
+  std::vector<HenckyLaw> healthy;
   std::array<std::vector<HenckyLaw>, 2> plaque;
   Triangles with_plaque;
   for (const Triangle& t : part.triangles) {
     const TrianglePlaque own = triangle_plaque(t, lumen, wall, spec);
-    // The healthy intima lies outside the plaque, where the wall stretches less than the lumen.
-    intima.push_back(law_at_depth({0, spec.poisson_ratio, spec.stiffening}, spec.youngs_modulus, spec.intima_thickness,
-                                  own.type == 0 ? 1 : 1 + own.thickness / own.radius));
+    // The healthy wall lies outside the plaque, where it stretches less than the lumen.
+    healthy.push_back(law_at_depth({0, spec.poisson_ratio, spec.stiffening}, spec.youngs_modulus, spec.thickness,
+                                   own.type == 0 ? 1 : 1 + own.thickness / own.radius));
     if (own.type == 0)
       continue;
     with_plaque.push_back(t);
@@ -127,23 +127,23 @@ const Layer* add_wall_layers(System& system, int body, const MovingPart& part, c
     for (std::size_t k = 0; k < layers.size(); ++k)
       plaque[k].push_back(layers[k]);
   }
-  const Layer* intima_layer = &add_layer(system, body, spec, part.triangles, part.points, std::move(intima));
+  const Layer* healthy_layer = &add_layer(system, body, spec, part.triangles, part.points, std::move(healthy));
   if (!with_plaque.empty())
     for (const std::vector<HenckyLaw>& layer : plaque)
       add_layer(system, body, spec, with_plaque, part.points, layer);
-  return intima_layer;
+  return healthy_layer;
 }
 
-/// Adds the bending stiffness of intima and media together.
+/// Adds the bending stiffness of the healthy wall.
 void add_bending(System& system, int body, const MovingPart& part, const WallSpec& spec) {
-  const double t = spec.intima_thickness + spec.media_thickness;
+  const double t = spec.thickness;
   const double rigidity = spec.youngs_modulus * t * t * t / (12 * (1 - spec.poisson_ratio * spec.poisson_ratio));
   const std::vector<InteriorEdge> edges = interior_edges(part.triangles, part.points);
   system.add_force(body, std::make_unique<Hinges>(edges, part.points, shell_coefficients(edges, part.points, rigidity),
                                                   spec.hinge_yield));
 }
 
-/// Adds media, surrounding tissue and the prestress by blood pressure.
+/// Adds the surrounding tissue and the prestress by blood pressure.
 /// @param map_pa mean blood pressure, Pa
 void add_foundation(System& system, int body, const MovingPart& part, const Lumen& lumen, const Wall& wall,
                     const WallSpec& spec, double map_pa) {
@@ -151,13 +151,8 @@ void add_foundation(System& system, int body, const MovingPart& part, const Lume
   std::vector<RingFoundation::Element> rings;
   for (std::size_t i = 0; i < part.points.size(); ++i) {
     const int g = wall.lumen_vertex[i];
-    const RingLaw law{spec.youngs_modulus * spec.media_thickness,
-                      spec.stiffening,
-                      spec.tissue_modulus / (1 + spec.poisson_ratio),
-                      spec.tangential_stiffness,
-                      map_pa * mpa_per_pa,
-                      lumen.radius[g],
-                      lumen.radius[g] + lumen.plaque[g]};
+    const RingLaw law{spec.tissue_modulus / (1 + spec.poisson_ratio), spec.tangential_stiffness, map_pa * mpa_per_pa,
+                      lumen.radius[g], lumen.radius[g] + lumen.plaque[g]};
     rings.push_back({static_cast<int>(i), part.points[i], areas[i].normalized(), system.area[i], law});
   }
   system.add_force(body, std::make_unique<RingFoundation>(std::move(rings), part.triangles));
@@ -170,7 +165,7 @@ void add_septa(System& system, int body, const MovingPart& part, const Lumen& lu
   if (!lumen.branch.empty())
     for (int triangle : wall.lumen_triangle)
       branch.push_back(lumen.branch[triangle]);
-  const SeptumTissue tissue{spec.intima_thickness + spec.media_thickness, spec.youngs_modulus, spec.tissue_modulus};
+  const SeptumTissue tissue{spec.thickness, spec.youngs_modulus, spec.tissue_modulus};
   std::vector<Septum::Element> elements = septum_elements(part.triangles, part.points, branch, tissue);
   if (!elements.empty())
     system.add_force(body, std::make_unique<Septum>(std::move(elements), spec.poisson_ratio));
@@ -182,9 +177,9 @@ Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& may_m
               double map_pa) {
   Wall wall{};
   const MovingPart part = moving_part(lumen, may_move, wall);
-  const double surface_density = spec.density * (spec.intima_thickness + spec.media_thickness);
+  const double surface_density = spec.density * spec.thickness;
   const int body = system.add_body("wall", part.points, part.triangles, surface_density, part.fixed);
-  wall.intima = add_wall_layers(system, body, part, lumen, wall, spec);
+  wall.healthy_layer = add_wall_layers(system, body, part, lumen, wall, spec);
   add_bending(system, body, part, spec);
   add_foundation(system, body, part, lumen, wall, spec, map_pa);
   add_septa(system, body, part, lumen, wall, spec);

@@ -9,7 +9,7 @@ namespace vci {
 struct Wall {
   std::vector<int> lumen_vertex;   ///< for each vertex of the body, its number in the lumen
   std::vector<int> lumen_triangle; ///< for each triangle of the body, its number in the lumen
-  const Layer* intima;             ///< the layer whose stretch is reported
+  const Layer* healthy_layer;      ///< intima and media, whose stretch is reported
 };
 
 /// Laws of two layers that represent plaque of a thickness (mm) and modulus (MPa) on a lumen of a radius (mm). The

@@ -21,8 +21,7 @@ struct WallSpec {
   SpringMapping spring_mapping = SpringMapping::lame;
   double youngs_modulus = 0.8; ///< MPa
   double poisson_ratio = 0.45;
-  double intima_thickness = 0.2;      ///< mm
-  double media_thickness = 0.4;       ///< mm
+  double thickness = 0.6;             ///< intima and media together, mm
   double stiffening = 3;              ///< beta of the HenckyLaw
   double tissue_modulus = 0.08;       ///< modulus of the tissue round the vessel, MPa
   double tangential_stiffness = 0.02; ///< MPa/mm, against sliding in that tissue

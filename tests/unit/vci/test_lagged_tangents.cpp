@@ -172,7 +172,7 @@ struct Tube {
 };
 
 TEST(RingFoundation, MatrixLeavesOutOnlyHowTheSurfacesNormalsTurn) {
-  const RingLaw law{0.3, 3, 0.05, 0.02, 0.012, 1.0, 1.2};
+  const RingLaw law{0.055, 0.02, 0.012, 1.0, 1.2};
   const Tube tube(law);
   RingFoundation force(tube.middle, tube.triangles);
   EXPECT_LT(share(stiffness_of(force, tube.x) - stiffness_by_differences(force, tube.x), stiffness_of(force, tube.x)),
@@ -195,12 +195,12 @@ TEST(RingFoundation, MatrixLeavesOutOnlyHowTheSurfacesNormalsTurn) {
     const MatrixXd turn = differences_of(off_the_reference, x);
     EXPECT_LT(share(whole - matrix - turn, matrix), 1e-6) << opening;
     EXPECT_GT(share(turn, matrix), 0.05) << opening;
-    EXPECT_LT(share(turn, matrix), 0.2) << opening;
+    EXPECT_LT(share(turn, matrix), 0.25) << opening;
   }
 }
 
 TEST(RingFoundation, MatrixIsNeverNegativeWhereThePrestressIs) {
-  const RingLaw softens{0.01, 0, 0, 0.02, 0.5, 1.0, 1.2};
+  const RingLaw softens{0, 0.02, 0.5, 1.0, 1.2};
   const Vec3 n = Vec3::UnitX();
   RingFoundation force({{0, Vec3(1, 0, 0), n, 0.1, softens}});
   const Vectors x{{1.1, 0, 0}};

@@ -64,7 +64,7 @@ double relative_widening(const Tube& t, const std::vector<HenckyLaw>& layers, do
   std::vector<RingFoundation::Element> rings;
   for (int i = 0; i < system.vertices(); ++i) {
     const Vec3 normal = Vec3(t.points[i][0], t.points[i][1], 0).normalized();
-    rings.push_back({i, t.points[i], normal, system.area[i], {0, 0, medium / (1 + poisson), 1e-3, 0, radius, radius}});
+    rings.push_back({i, t.points[i], normal, system.area[i], {medium / (1 + poisson), 1e-3, 0, radius, radius}});
   }
   system.add_force(body, std::make_unique<RingFoundation>(rings));
   Interactions none;

@@ -66,8 +66,7 @@ WallSpec read_wall(CheckedObject& o) {
                              "set model to mass-spring, or leave it out");
   w.youngs_modulus = o.number("youngs_modulus_mpa", 1e-3, 100, w.youngs_modulus); // a larger value is likely in kPa
   w.poisson_ratio = o.number("poisson_ratio", 0, 0.499, w.poisson_ratio);
-  w.intima_thickness = o.number("intima_thickness_mm", 0.01, 2, w.intima_thickness);
-  w.media_thickness = o.number("media_thickness_mm", 0.01, 2, w.media_thickness);
+  w.thickness = o.number("thickness_mm", 0.02, 4, w.thickness);
   w.stiffening = o.number("stiffening", 0, 100, w.stiffening);
   w.tissue_modulus = o.number("tissue_modulus_mpa", 0, 10, w.tissue_modulus);
   w.tangential_stiffness = o.number("tangential_stiffness_mpa_per_mm", 0, 10, w.tangential_stiffness);
