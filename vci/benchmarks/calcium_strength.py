@@ -23,8 +23,16 @@ from vci.benchmarks.published import ARCS_DEG, STENTING_PLAN, calcified_case
 LENGTH_MM = 10  # length of the calcium
 INITIAL_STEPS_MS = (0.27, 0.30, 0.34)  # lengths of the first step; their results show how areas depend on the path
 KEYS = ("youngs_modulus_mpa", "yield_strain", "hardening")
-DEFAULT = (20.0, 0.06, 0.05)
-STRENGTHS = ((30.0, None, 0.0), (30.0, 0.1, 0.05), (20.0, 0.1, 0.05), DEFAULT, (20.0, 0.05, 0.05), (12.0, 0.05, 0.05))
+DEFAULT = (20.0, 0.065, 0.05)
+STRENGTHS = (
+    (30.0, None, 0.0),
+    (30.0, 0.1, 0.05),
+    (20.0, 0.1, 0.05),
+    DEFAULT,
+    (20.0, 0.06, 0.05),
+    (20.0, 0.05, 0.05),
+    (12.0, 0.05, 0.05),
+)
 COLUMNS = [
     *KEYS,
     "strength_mpa",

@@ -29,7 +29,7 @@ struct WallSpec {
   double hinge_yield = 0.1;           ///< rad: an edge between triangles that bends by more keeps a fold
   /// By plaque_type: 0 unused, 1 fibrous, 2 lipid, 3 calcified.
   std::array<PlaqueSpec, 4> plaque{
-      {{1, std::numeric_limits<double>::infinity(), 0}, {2.0, 0.12, 0.08}, {0.5, 0.10, 0.05}, {20.0, 0.06, 0.05}}};
+      {{1, std::numeric_limits<double>::infinity(), 0}, {2.0, 0.12, 0.08}, {0.5, 0.10, 0.05}, {20.0, 0.065, 0.05}}};
 };
 
 } // namespace vci
