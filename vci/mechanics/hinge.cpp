@@ -44,10 +44,9 @@ std::vector<double> shell_coefficients(const std::vector<InteriorEdge>& edges, c
 }
 
 Hinges::Hinges(const std::vector<InteriorEdge>& edges, const Vectors& reference,
-               const std::vector<double>& coefficients, double yield_angle)
-    : yield_angle_(yield_angle) {
+               const std::vector<double>& coefficients, const std::vector<double>& yield_angles) {
   for (std::size_t k = 0; k < edges.size(); ++k) {
-    Element e{{edges[k].e0, edges[k].e1, edges[k].w0, edges[k].w1}, {}, coefficients[k], 0};
+    Element e{{edges[k].e0, edges[k].e1, edges[k].w0, edges[k].w1}, {}, coefficients[k], yield_angles[k], 0};
     e.rest_angle = dihedral_of(e, reference).angle;
     elements_.push_back(e);
   }
@@ -84,12 +83,12 @@ void Hinges::locate_blocks(const BlockMatrix& matrix) {
 }
 
 void Hinges::commit(const Vectors& x) {
-  if (yield_angle_ >= pi)
-    return;
   for (Element& e : elements_) {
+    if (e.yield_angle >= pi)
+      continue;
     const double bend = wrapped_angle(dihedral_of(e, x).angle - e.rest_angle);
-    if (std::abs(bend) > yield_angle_)
-      e.rest_angle = wrapped_angle(e.rest_angle + bend - std::copysign(yield_angle_, bend));
+    if (std::abs(bend) > e.yield_angle)
+      e.rest_angle = wrapped_angle(e.rest_angle + bend - std::copysign(e.yield_angle, bend));
   }
 }
 

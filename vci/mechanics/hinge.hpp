@@ -12,9 +12,13 @@ class Hinges : public Force {
 public:
   /// @param coefficients c of each edge, N mm
   /// @param reference positions (mm) at which all edges have their rest angles
-  /// @param yield_angle rad: an edge bent by more keeps a plastic fold; pi or more: no plastic folds
+  /// @param yield_angles rad: an edge bent by more keeps a plastic fold; pi or more: no plastic folds
   Hinges(const std::vector<InteriorEdge>& edges, const Vectors& reference, const std::vector<double>& coefficients,
-         double yield_angle);
+         const std::vector<double>& yield_angles);
+  /// As above, with the same yield angle at each edge.
+  Hinges(const std::vector<InteriorEdge>& edges, const Vectors& reference, const std::vector<double>& coefficients,
+         double yield_angle)
+      : Hinges(edges, reference, coefficients, std::vector<double>(edges.size(), yield_angle)) {}
 
   double energy(const Vectors& x) const override;
   void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
@@ -26,10 +30,9 @@ private:
   struct Element {
     std::array<int, 4> v; // edge start, edge end, left and right opposite vertex
     StencilSlots<4> slots;
-    double coefficient, rest_angle;
+    double coefficient, yield_angle, rest_angle;
   };
   std::vector<Element> elements_;
-  double yield_angle_;
 };
 
 /// Coefficient c (N mm) of each edge for a shell of bending rigidity D (N mm): c = 3 D l^2 / (A1 + A2). Here l is the

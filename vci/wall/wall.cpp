@@ -11,6 +11,7 @@ namespace vci {
 
 namespace {
 
+constexpr int calcified = 3;                    // plaque_type
 constexpr double least_plaque_thickness = 0.05; // mm: a triangle with thinner plaque gets no plaque layers
 
 /// Completes the law of a layer with its stiffness and depth.
@@ -134,13 +135,44 @@ const Layer* add_wall_layers(System& system, int body, const MovingPart& part, c
   return healthy_layer;
 }
 
-/// Adds the bending stiffness of the healthy wall.
-void add_bending(System& system, int body, const MovingPart& part, const WallSpec& spec) {
-  const double t = spec.thickness;
-  const double rigidity = spec.youngs_modulus * t * t * t / (12 * (1 - spec.poisson_ratio * spec.poisson_ratio));
-  const std::vector<InteriorEdge> edges = interior_edges(part.triangles, part.points);
-  system.add_force(body, std::make_unique<Hinges>(edges, part.points, shell_coefficients(edges, part.points, rigidity),
-                                                  spec.hinge_yield));
+/// Bending of the wall at a vertex.
+struct PlateBending {
+  double rigidity;        ///< N mm
+  double yield_curvature; ///< 1/mm: change of curvature at which a plate is plastic through its thickness; 0: no plate
+};
+
+/// Adds the bending stiffness of the healthy wall and of sheets of calcium. The healthy wall lies outside the plaque,
+/// where its triangles are wider than those of the lumen; the angles between them are those of the lumen. Calcium bends
+/// as a plate. It keeps its area, so it thins as the lumen opens; its thickness here is that on a lumen opened to the
+/// media. Softer plaque yields before it bends much, and adds no stiffness.
+void add_bending(System& system, int body, const MovingPart& part, const Lumen& lumen, const Wall& wall,
+                 const WallSpec& spec) {
+  const auto rigidity = [&](double modulus, double t) {
+    return modulus * t * t * t / (12 * (1 - spec.poisson_ratio * spec.poisson_ratio));
+  };
+  const Vectors areas = vertex_area_vectors(part.triangles, part.points, 0, static_cast<int>(part.points.size()));
+  Vectors outside_plaque = part.points;
+  std::vector<PlateBending> calcium(areas.size(), PlateBending{0, 0});
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const int g = wall.lumen_vertex[i];
+    outside_plaque[i] += lumen.plaque[g] * areas[i].normalized();
+    if (lumen.plaque_type[g] != calcified || lumen.plaque[g] < least_plaque_thickness)
+      continue;
+    const double a = lumen.radius[g], b = a + lumen.plaque[g], opened = std::sqrt(2 * b * b - a * a) - b;
+    const PlaqueSpec& p = spec.plaque[calcified];
+    calcium[i] = {rigidity(p.youngs_modulus, opened), 3 * p.yield_strain / opened};
+  }
+  const std::vector<InteriorEdge> edges = interior_edges(part.triangles, part.points),
+                                  outside = interior_edges(part.triangles, outside_plaque);
+  std::vector<double> coefficients = shell_coefficients(outside, outside_plaque, 1), yield_angles;
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    const PlateBending &p = calcium[edges[k].e0], &q = calcium[edges[k].e1];
+    const double width = outside[k].rest_length / coefficients[k]; // an angle is a curvature times this
+    const double yield_curvature = std::max(p.yield_curvature, q.yield_curvature);
+    yield_angles.push_back(yield_curvature > 0 ? yield_curvature * width : spec.hinge_yield);
+    coefficients[k] *= rigidity(spec.youngs_modulus, spec.thickness) + 0.5 * (p.rigidity + q.rigidity);
+  }
+  system.add_force(body, std::make_unique<Hinges>(edges, part.points, coefficients, yield_angles));
 }
 
 /// Adds the surrounding tissue and the prestress by blood pressure.
@@ -180,7 +212,7 @@ Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& may_m
   const double surface_density = spec.density * spec.thickness;
   const int body = system.add_body("wall", part.points, part.triangles, surface_density, part.fixed);
   wall.healthy_layer = add_wall_layers(system, body, part, lumen, wall, spec);
-  add_bending(system, body, part, spec);
+  add_bending(system, body, part, lumen, wall, spec);
   add_foundation(system, body, part, lumen, wall, spec, map_pa);
   add_septa(system, body, part, lumen, wall, spec);
   return wall;

@@ -16,10 +16,14 @@ struct Tube {
   WallSpec spec;
   double map_pa = 12400;
   System system;
-  explicit Tube(bool in_tissue = true) {
+  explicit Tube(bool in_tissue = true, double calcium_mm = 0) {
     tests::Vessel vessel{length, radius, 0, 0};
     vessel.around = 48, vessel.rows = 120;
-    const Lumen lumen = vessel.lumen();
+    Lumen lumen = vessel.lumen();
+    if (calcium_mm > 0) {
+      lumen.plaque.assign(lumen.points.size(), calcium_mm);
+      lumen.plaque_type.assign(lumen.points.size(), 3);
+    }
     spec.stiffening = 0;
     if (!in_tissue) {
       spec.thickness = 0.1; // thin enough for the bending of the wall itself to be small
@@ -82,6 +86,31 @@ TEST(Wall, WidensAsAThinTubeInTissue) {
   const double tissue = w.tissue_modulus / (1 + w.poisson_ratio) - tube.map_pa * 1e-6;
   const double expected = pi * radius * radius * widening * widening * (wall + tissue) * length;
   EXPECT_NEAR(tube.work(widen), expected, 0.02 * expected);
+}
+
+/// A section that becomes oval without stretch: u_r = w cos(2 phi), u_phi = -w / 2 sin(2 phi). Its curvature changes by
+/// 3 w cos(2 phi) / a^2.
+double oval_rigidity(Tube tube, double outer_radius) {
+  constexpr double w = 1e-5;
+  const double work = tube.work([=](const Vec3& p) {
+    const double phi = std::atan2(p[1], p[0]), radial = w * std::cos(2 * phi), round = -0.5 * w * std::sin(2 * phi);
+    return Vec3(radial * std::cos(phi) - round * std::sin(phi), radial * std::sin(phi) + round * std::cos(phi), 0);
+  });
+  // The wall at the outer radius has the lumen's angles, so its curvature changes by a / b of the lumen's.
+  const double change = 3 * w / (radius * outer_radius);
+  return work / (0.5 * pi * outer_radius * length * change * change);
+}
+
+/// The hinges are three to four times as stiff as a plate here, whatever their rigidity. So stiffnesses are compared.
+TEST(Wall, CalciumBendsAsAPlate) {
+  const WallSpec w = Tube(false).spec;
+  const auto plate = [&](double modulus, double t) {
+    return modulus * t * t * t / (12 * (1 - w.poisson_ratio * w.poisson_ratio));
+  };
+  const double calcium_mm = 0.5, b = radius + calcium_mm, opened_mm = std::sqrt(2 * b * b - radius * radius) - b;
+  const double expected = 1 + plate(w.plaque[3].youngs_modulus, opened_mm) / plate(w.youngs_modulus, w.thickness);
+  const double found = oval_rigidity(Tube(false, calcium_mm), b) / oval_rigidity(Tube(false), radius);
+  EXPECT_NEAR(found / expected, 1, 0.4);
 }
 
 } // namespace
