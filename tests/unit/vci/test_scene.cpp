@@ -77,7 +77,7 @@ TEST(Scene, FillsInDefaults) {
   EXPECT_DOUBLE_EQ(scene.stents.at("s").hoop_stiffness(), 0.22 * 1.5 / (4.5 / 95.5))
       << "Laplace: radial strength; strain of the recoil";
   const PlaqueSpec& calcium = scene.wall.plaque[3];
-  EXPECT_NEAR(calcium.youngs_modulus * calcium.yield_strain, 1.2, 1e-12) << "MPa, by Fujino's slope";
+  EXPECT_NEAR(calcium.youngs_modulus * calcium.yield_strain, 1.3, 1e-12) << "MPa, by Fujino's slope";
   json rigid = good_scene();
   rigid["wall"]["plaque"]["calcified"]["yield_strain"] = nullptr;
   EXPECT_TRUE(std::isinf(read(rigid).wall.plaque[3].yield_strain)) << "null: never";
