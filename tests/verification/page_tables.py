@@ -1,7 +1,7 @@
 """Tables of a folder's measured.md from the results' files.
 
 A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`, NAME being the folder of a benchmark; where
-nothing of it was run the table stays.
+nothing of it was run the table stays. Where a part of it was run, a page may keep the other rows (`keys` of Page).
 """
 
 import argparse
@@ -23,6 +23,20 @@ def markdown(headings, rows):
     return "".join(f"| {' | '.join(line)} |\n" for line in [headings, ["---"] * len(headings), *rows])
 
 
+def merged(old, new, cells):
+    """Markdown of the table `new` with the rows of the table `old` that it lacks. Both are lists of lines.
+
+    Rows are the same if their first `cells` cells are. Rows of `old` keep their order, and further rows come last. Of a
+    table with other headings nothing is kept.
+    """
+
+    def by_key(lines):
+        return {tuple(line.split("|")[1 : cells + 1]): line for line in lines[2:]}
+
+    kept = by_key(old) if old[:1] == new[:1] else {}
+    return "".join(f"{line}\n" for line in [*new[:2], *(kept | by_key(new)).values()])
+
+
 def read_columns(path, columns):
     """The rows (dicts of strings) of a CSV file that must have these columns. Raises InputError if one lacks."""
     with path.open(newline="") as file:
@@ -38,13 +52,14 @@ class Page:
 
     tables: {benchmark: (its table's file, {column there: heading})}; digits: {column: format of its numbers};
     table_functions: {name: function of the folder `results` that gives a table's Markdown, or None where nothing was
-    run}.
+    run}; keys: {name of a table whose rows stay unless they were run again: how many cells tell its rows apart}.
     """
 
-    def __init__(self, folder, tables, digits, table_functions=None):
+    def __init__(self, folder, tables, digits, table_functions=None, keys=None):
         page = ROOT / folder
         self.path = page if page.suffix == ".md" else page / "measured.md"
         self.tables, self.digits, self.table_functions = tables, digits, table_functions or {}
+        self.keys = keys or {}
 
     def text(self, column, value):
         """A value as the page writes it; words stay."""
@@ -76,7 +91,11 @@ class Page:
                 table = self.table(path, columns) if path.is_file() else None
             else:
                 raise InputError("no such table", self.path, name, ", ".join([*self.tables, *self.table_functions]))
-            return found.group(0) if table is None else found.group(1) + table + found.group(3)
+            if table is None:
+                return found.group(0)
+            if name in self.keys:
+                table = merged(found.group(0).splitlines()[1:-1], table.splitlines(), self.keys[name])
+            return found.group(1) + table + found.group(3)
 
         return TABLE_MARKS.sub(replacement, text)
 

@@ -12,7 +12,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tests" / "verification" / "flow"))
 
 import measured_tables  # noqa: E402
+from page_tables import TABLE_MARKS, Page, merged  # noqa: E402
 
+ROW = "| {} |  |  |  |  |\n"
 TEXT = "before\n<!-- table: flow_hard_cases -->\nold\n<!-- end -->\nafter\n"
 
 
@@ -38,6 +40,50 @@ def test_a_benchmark_that_was_not_run_leaves_its_table(tmp_path):
     assert measured_tables.PAGE.filled(TEXT, tmp_path) == TEXT
 
 
+def _page_with_rows(*cases):
+    """A page whose table flow_hard_cases has a row for each case, with no figures."""
+    columns = list(measured_tables.TABLES["flow_hard_cases"][1].values())
+    head = f"| {' | '.join(columns)} |\n| {' | '.join(['---'] * len(columns))} |\n"
+    return TEXT.replace("old\n", head + "".join(ROW.format(case) for case in cases))
+
+
+def _cases_of(page):
+    return [line.split(" | ")[0][2:] for line in page.splitlines()[4:-2]]
+
+
+def test_rows_that_were_not_run_again_stay_in_their_order(tmp_path):
+    _write(tmp_path)
+    page = measured_tables.PAGE.filled(_page_with_rows("zeta", "single_62", "alpha"), tmp_path)
+    assert _cases_of(page) == ["zeta", "single_62", "alpha"]
+    assert "| +0.0013 |" in page.splitlines()[5] and page.count("+0.0013") == 1, "the new row replaces the old one"
+    assert measured_tables.PAGE.filled(page, tmp_path) == page, "once more changes nothing"
+    page = measured_tables.PAGE.filled(_page_with_rows("zeta", "alpha"), tmp_path)
+    assert _cases_of(page) == ["zeta", "alpha", "single_62"], "a further row comes last"
+
+
+def test_rows_of_other_columns_or_of_a_table_without_a_key_do_not_stay(tmp_path):
+    _write(tmp_path)
+    text = _page_with_rows("zeta", "single_62").replace("| estimate |", "| bound |")
+    assert _cases_of(measured_tables.PAGE.filled(text, tmp_path)) == ["single_62"]
+    page = Page("flow", measured_tables.TABLES, {})
+    assert _cases_of(page.filled(_page_with_rows("zeta"), tmp_path)) == ["single_62"]
+
+
+def test_rows_are_told_apart_by_as_many_cells_as_the_table_needs():
+    head = ["| case | solver | error |", "| --- | --- | --- |"]
+    old, new = [*head, "| a | x | 1 |", "| a | y | 1 |"], [*head, "| a | y | 2 |", "| b | y | 2 |"]
+    rows = merged(old, new, 2).splitlines()[2:]
+    assert rows == ["| a | x | 1 |", "| a | y | 2 |", "| b | y | 2 |"]
+    assert merged(old, new, 1).splitlines()[2:] == ["| a | y | 2 |", "| b | y | 2 |"]
+
+
+def test_no_two_rows_of_the_page_have_the_same_key():
+    text = (ROOT / "flow" / "measured.md").read_text()
+    tables = {found.group(2): found.group(0).splitlines()[1:-1] for found in TABLE_MARKS.finditer(text)}
+    for name, cells in measured_tables.KEYS.items():
+        assert merged(tables[name], tables[name][:2], cells).splitlines() == tables[name], name
+
+
 def test_a_file_without_a_column_is_refused(tmp_path):
     _write(tmp_path, ["estimate"])
     with pytest.raises(InputError, match="estimate"):
@@ -59,6 +105,22 @@ def _write_state(folder, case, state, **changes):
     path = folder / "cases" / case / "flow" / state / "ffr.json"
     path.parent.mkdir(parents=True)
     path.write_text(json.dumps(answer))
+    _finish_study(folder, "lad01", "lad02")
+
+
+def _finish_study(folder, *cases):
+    (folder / "study").mkdir(exist_ok=True)
+    (folder / "study" / "cohort.csv").write_text("\n".join(["case", *cases]) + "\n")
+
+
+def test_a_table_over_the_study_has_its_cases_alone(tmp_path):
+    text = TEXT.replace("flow_hard_cases", "study")
+    _write_state(tmp_path, "lad01", "pre")
+    _write_state(tmp_path, "quick_branch", "pre")
+    lines = measured_tables.PAGE.filled(text, tmp_path).splitlines()
+    assert len(lines) == 7 and lines[4].startswith("| lad01 |")
+    (tmp_path / "study" / "cohort.csv").unlink()
+    assert measured_tables.PAGE.filled(text, tmp_path) == text, "a study that is not finished has no table"
 
 
 def test_the_study_has_a_row_for_each_case_with_the_worst_state_after(tmp_path):
@@ -89,7 +151,8 @@ def test_an_estimate_is_judged_by_the_next_finer_mesh(tmp_path):
     assert lines[4] == "| trees before PCI, meshes passed over | next finer mesh | 2 | 1 | 0.5 |" and len(lines) == 7
     _write_finer(tmp_path)
     lines = measured_tables.PAGE.filled(text, tmp_path).splitlines()
-    assert lines[5] == "| trees, answers | next finer mesh | 2 | 1 | 0.4 |", "a state without a finer flow is left out"
+    assert lines[5] == "| trees before PCI, answers | next finer mesh | 1 | 1 | 4.0 |"
+    assert lines[6] == "| trees after PCI, answers | next finer mesh | 1 | 0 | 0.4 |", "no finer flow, no pair"
 
 
 def test_an_audit_says_whether_the_steady_answer_is_the_mean(tmp_path):
@@ -109,8 +172,8 @@ def _write_finer(folder):
     path = folder / "benchmarks" / "flow_finer_mesh" / "finer_mesh.csv"
     path.parent.mkdir(parents=True)
     columns = list(measured_tables.TABLES["flow_finer_mesh"][1])
-    values = [{"estimate": "0.0040", "difference": "-0.00100"}, {"estimate": "0.0020", "difference": "+0.00500"}]
-    rows = [*values, {"estimate": "0.0030", "finer_ffr": "no flow"}]
+    values = [("a pre", "0.0040", "-0.00100"), ("a vci", "0.0020", "+0.00500"), ("b vci", "0.0030", "")]
+    rows = [dict(zip(("state", "estimate", "difference"), value)) for value in values]
     lines = [",".join(row.get(name, "") for name in columns) for row in rows]
     path.write_text("\n".join([",".join(columns), *lines]) + "\n")
 

@@ -78,7 +78,7 @@ def row(state, mesh, folder):
 
 
 def key(entry):
-    return entry["state"], int(entry["cells"])
+    return entry["state"], entry["mesh"]
 
 
 @guarded
@@ -104,7 +104,7 @@ def main():
             with table.open("w", newline="") as file:
                 writer = csv.DictWriter(file, COLUMNS)
                 writer.writeheader()
-                writer.writerows(rows[one] for one in sorted(rows))
+                writer.writerows(sorted(rows.values(), key=lambda entry: (entry["state"], int(entry["cells"]))))
 
 
 if __name__ == "__main__":

@@ -3,7 +3,9 @@
     /usr/bin/python3 tests/verification/flow/measured_tables.py results
 
 A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`. NAME is the folder of a benchmark, `study`,
-`coverage`, `reach`, `meshes`, `reduced_models` or `audit`. A table stays as it is if its results do not exist.
+`coverage`, `reach`, `meshes`, `reduced_models` or `audit`. A table stays as it is if its results do not exist. The
+benchmarks of the tables KEYS can be run in part. Rows of these tables stay unless they were run again: remove by hand
+what holds no more. The tables over all states of a study need a finished study, `results/study`, and have its cases.
 """
 
 import csv
@@ -35,6 +37,7 @@ TABLES = {
         "tree.csv",
         {
             "state": "state",
+            "mesh": "mesh",
             "cells": "cells",
             "ffr": "simpleFoam",
             "our_ffr": "ours",
@@ -137,13 +140,35 @@ USED_KEYS = (
     "meshes",
     "models",
 )
+# Tables whose rows stay unless they are run again: how many cells tell the rows of each apart.
+KEYS = {
+    "flow_against_openfoam": 2,
+    "flow_tree_against_openfoam": 2,
+    "flow_speed_error": 3,
+    "flow_hard_cases": 1,
+    "flow_finer_mesh": 1,
+    "flow_starts": 1,
+    "flow_wall_shear": 2,
+    "flow_growth": 1,
+    COVERAGE: 1,
+    "reach": 1,
+    "audit": 2,
+}
 DIGITS = {"volume_mm3": ".1f", "error": "+.4f", "mesh_cpu_s": ".1f", "solve_cpu_s": ".1f", "settled_cpu_s": ".1f"}
 
 
 def answers(results):
-    """[(case, state, document)] of results/cases/*/flow/*/ffr.json. Raises InputError if a file lacks a key."""
-    found = []
+    """[(case, state, document)] of the ffr.json of the study's cases. [] without a study.
+
+    Raises InputError if a file lacks a key.
+    """
+    study_table, found = results / "study" / "cohort.csv", []
+    if not study_table.is_file():
+        return []
+    cases = {row["case"] for row in read_columns(study_table, ["case"])}
     for path in sorted((results / "cases").glob("*/flow/*/ffr.json")):
+        if path.parts[-4] not in cases:
+            continue
         try:
             answer = json.loads(path.read_text())
             found.append((path.parts[-4], path.parts[-2], {key: answer[key] for key in USED_KEYS}))
@@ -213,10 +238,10 @@ def coverage(results):
         rows += coverage_row(f"trees {when} PCI, meshes passed over", "next finer mesh", found)
     finer = results / "benchmarks" / "flow_finer_mesh" / "finer_mesh.csv"
     if finer.is_file():
-        found = [(row["estimate"], row["difference"]) for row in read_columns(finer, TABLES["flow_finer_mesh"][1])]
-        rows += coverage_row(
-            "trees, answers", "next finer mesh", [pair for pair in found if all(pair) and pair[0] != "unknown"]
-        )
+        found = read_columns(finer, TABLES["flow_finer_mesh"][1])
+        for when, pairs in reach_tables.pairs_of_finer_meshes(found).items():
+            known = [pair for pair in pairs if pair[0] != "unknown"]
+            rows += coverage_row(f"trees {when} PCI, answers", "next finer mesh", known)
     return markdown(COVERAGE_COLUMNS, rows) if rows else None
 
 
@@ -264,7 +289,7 @@ FUNCTIONS = {
     "reduced_models": reduced_models,
     "audit": audit,
 }
-PAGE = Page("flow", TABLES, DIGITS, FUNCTIONS)
+PAGE = Page("flow", TABLES, DIGITS, FUNCTIONS, KEYS)
 
 if __name__ == "__main__":
     PAGE.main()
