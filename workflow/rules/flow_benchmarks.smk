@@ -1,5 +1,6 @@
 # Benchmarks of the flow. benchmarks.smk says how benchmarks run, and which of them `snakemake benchmarks` runs.
-SOLVED_STATES = [f"results/cases/quick_branch/flow/{state}" for state in ("pre", "vci")]  # flows in a branched vessel
+TREE_STATES = ["quick_branch/flow/pre", "quick_branch/flow/vci", "lcx02/flow/pre"]  # lcx02: one of the nine patients
+SOLVED_TREES = [f"results/cases/{state}" for state in TREE_STATES]
 STATES_ON_FINER_MESH = expand("results/cases/{case}/flow/{state}", case=CASES, state=["pre", "vci"])
 STATES_OF_STARTS = expand("results/cases/{case}/flow/{state}", case=CASES, state=["vci", "reference"])
 STRAIGHT_TUBES = (*(f"single_{percent}" for percent in (62, 75, 80, 85, 90)), "tandem_60", "throat_re_1500")
@@ -123,14 +124,14 @@ rule flow_against_openfoam:
 
 rule flow_tree_against_openfoam:
     message:
-        "benchmark: a tree before and after PCI beside OpenFOAM's simpleFoam (package openfoam), by its own name only"
+        "benchmark: trees before and after PCI beside OpenFOAM's simpleFoam (package openfoam), by its own name only"
     input:
         code=flow_benchmark_code("against_openfoam_tree"),
         factors=FLOW_FACTORS,
         script="tests/verification/flow/against_openfoam_tree.py",
-        boundary="results/cases/quick_branch/flow/boundary.json",
-        meshes=expand("{state}/{file}", state=SOLVED_STATES, file=["mesh_coarse.msh", "mesh.msh", "mesh.json"]),
-        answers=expand("{state}/ffr.json", state=SOLVED_STATES),
+        boundaries=[f"results/cases/{case}/flow/boundary.json" for case in ("quick_branch", "lcx02")],
+        meshes=expand("{state}/{file}", state=SOLVED_TREES, file=["mesh_coarse.msh", "mesh.msh", "mesh.json"]),
+        answers=expand("{state}/ffr.json", state=SOLVED_TREES),
     output:
         "results/benchmarks/flow_tree_against_openfoam/tree.csv",
     log:
@@ -142,7 +143,7 @@ rule flow_tree_against_openfoam:
         **WHOLE_NODE,
     params:
         out=output_folder,
-        states=SOLVED_STATES,
+        states=SOLVED_TREES,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} {params.states}"
 
