@@ -2,8 +2,9 @@
 
 STATE is results/cases/<case>/flow/<state>, with the meshes and the answer of `flow solve`. The search for it goes
 on with a tolerance of 0, to the mesh after the one that answered. After the finest mesh of the study this is one with a
-ring more. Writes DIR/finer_mesh.csv, a row for each state: FFR and estimate of the answer, FFR on the finer mesh, and
-the difference. Rows of earlier runs stay unless they are run again.
+ring more. If no flow is found there, the search starts anew, from rest on the coarsest mesh. Writes
+DIR/finer_mesh.csv, a row for each state: FFR and estimate of the answer, FFR on the finer mesh, and the difference.
+Rows of earlier runs stay unless they are run again.
 """
 
 import argparse
@@ -65,10 +66,13 @@ def finer_row(state, out):
         growth.command(folder, "mesh", anatomy / "lumen.vtp", "--centreline", line, *settings, *sizes, *written)
         finer_report.write_text(json.dumps({**read(finer_report), "coarse": parts}))
     inputs = ["--boundary", state.parent / "boundary.json", "--centreline", line, "--mesh-report", finer_report]
-    chosen = [*settings, "--ffr-tolerance", 0, "--start", state, line]
-    growth.command(folder, "solve", finer, "--coarse", *passed, *inputs, *chosen, "--out", ".")
-    found = read(folder / "ffr.json")
-    last = found["meshes"][-1]
+    for start in (["--start", state, line], []):
+        chosen = [*settings, "--ffr-tolerance", 0, *start]
+        growth.command(folder, "solve", finer, "--coarse", *passed, *inputs, *chosen, "--out", ".")
+        found = read(folder / "ffr.json")
+        last = found["meshes"][-1]
+        if last["mesh"] == finer.name and last["status"] != "no flow" or answer["artificial_viscosity"] > 0:
+            break  # a flow with artificial viscosity is no start, so this search was from rest
     row = {
         "state": name.replace("_", " "),
         "rings": rings[answer["mesh"]],
