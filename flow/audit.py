@@ -1,10 +1,11 @@
 """Is the steady flow the mean of the flow in time? `flow audit` answers this for the flow that `flow solve` would find.
 
-The flow is marched in time (solvers.marching) from the steady flow, without artificial viscosity. The time unit is D/U
-at the probe `distal`: the vessel's diameter over its mean velocity. The start-up is cut off where the standard error of
-the rest is least (MSER, White 1997, Simulation 69). The rest is divided into BATCHES equal batches. Their means give
-Student's interval of 95 % (batch means; Law and Kelton, Simulation Modeling and Analysis). The audit shows whether the
-steady FFR lies within the tolerance of the mean.
+The flow is marched in time (solvers.marching) from the disturbed steady flow, without artificial viscosity. Without a
+disturbance a steady flow would stay as it is, even if it is unstable. The time unit is D/U at the probe `distal`: the
+vessel's diameter over its mean velocity. The start-up is cut off where the standard error of the rest is least (MSER,
+White 1997, Simulation 69). The rest is divided into BATCHES equal batches. Their means give Student's interval of 95 %
+(batch means; Law and Kelton, Simulation Modeling and Analysis). The audit shows whether the steady FFR lies within the
+tolerance of the mean.
 """
 
 import sys
@@ -24,6 +25,7 @@ SMALLEST_CHANGE, LARGEST_CHANGE = 0.4, 1.6  # limits of a step's length over the
 # The length is kept if the wanted factor lies between these, as each change costs a factorization.
 NEGLIGIBLE_CHANGE = (0.8, 1.25)
 SAMPLES_PER_UNIT = 10  # number of evenly spaced samples of the series in a time unit
+DISTURBANCE = 0.02  # amplitude of each of the three waves that the velocities are multiplied by at the start
 BATCHES = 8  # number of batches into which the series is divided after the start-up
 CONFIDENCE = 0.95  # probability that the interval given for a mean holds the true mean
 
@@ -31,6 +33,15 @@ CONFIDENCE = 0.95  # probability that the interval given for a mean holds the tr
 def time_unit(radius_mm, flow_m3_per_s):
     """D/U in s: diameter over mean velocity of a flow through a round vessel."""
     return np.pi * (2e-3 * radius_mm) ** 3 / (4 * flow_m3_per_s)
+
+
+def disturb(problem, wavelength_m):
+    """Multiplies the velocities, but for those at the inlet, by 1 plus a wave of this length along each axis."""
+    space, values = problem.space, problem.state.x.array
+    inlet = values[space.inlet_dofs]
+    waves = np.sin(2 * np.pi / wavelength_m * space.V.tabulate_dof_coordinates() + np.arange(3)).sum(axis=1)
+    values[space.v_map] *= np.repeat(1 + DISTURBANCE * waves, 3)
+    values[space.inlet_dofs] = inlet
 
 
 def march(problem, read_ffr, unit_s, units, most_steps):
@@ -163,6 +174,7 @@ def audit_answer(solved, case):
     branch, s_mm, _ = case.original_tree.project_probe(case.document["probes"][0])
     flow = sum(flow_of[network.outlet_names[i]] for i in network.downstream(branch.name, s_mm))
     unit_s, steady = float(time_unit(branch.radius(s_mm), flow)), read_ffr(solved.sampler)
+    disturb(solved.problem, 2e-3 * branch.radius(s_mm))
     table = march(solved.problem, read_ffr, unit_s, case.settings.audit_units, case.settings.march_steps)
     answer = audit_document(table, unit_s, steady, case.settings.ffr_tolerance)
     answer["artificial_viscosity"] = solved.artificial_viscosity
