@@ -78,7 +78,7 @@ def finer_row(state, out):
         "rings": rings[answer["mesh"]],
         "eps": f"{answer['artificial_viscosity']:.2g}",
         "ffr": f"{answer['ffr']:.5f}",
-        "estimate": f"{answer['error_estimate']['ffr']:.4f}" if answer["error_estimate"] else "unknown",
+        "estimate": f"{answer['error_estimate']['ffr']:.5f}" if answer["error_estimate"] else "unknown",
         "finer_rings": finer_rings,
         "cpu_s": f"{found['cpu_seconds']:.0f}",
     }
