@@ -20,12 +20,13 @@ from flow.solvers import marching
 
 STEP_ERROR = 3e-3  # wanted error of one step, over the root mean square of the velocity
 FIRST_STEP, SHORTEST_STEP = 1e-4, 1e-7  # s: the first step, and the shortest that is tried
-LONGEST_STEP = 0.1  # longest step in time units D/U
+# The longest step in time units D/U. With steps of 0.1 the method damps the oscillations of a jet.
+LONGEST_STEP = 0.02
 SMALLEST_CHANGE, LARGEST_CHANGE = 0.4, 1.6  # limits of a step's length over the length of the step before
 # The length is kept if the wanted factor lies between these, as each change costs a factorization.
 NEGLIGIBLE_CHANGE = (0.8, 1.25)
 SAMPLES_PER_UNIT = 10  # number of evenly spaced samples of the series in a time unit
-DISTURBANCE = 0.02  # amplitude of each of the three waves that the velocities are multiplied by at the start
+DISTURBANCE = 0.1  # amplitude of each of the three waves that the velocities are multiplied by at the start
 BATCHES = 8  # number of batches into which the series is divided after the start-up
 CONFIDENCE = 0.95  # probability that the interval given for a mean holds the true mean
 
