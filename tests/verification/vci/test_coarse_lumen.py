@@ -74,7 +74,8 @@ def test_the_fine_surface_is_written_and_the_coarse_one_beside_it(runs):
     alone, carried = (vtp.read_triangles(folder / "lumen.vtp", "") for folder in runs)
     assert np.array_equal(vtp.triangles(carried), vtp.triangles(before))
     distances = np.linalg.norm(vtp.points(carried) - vtp.points(alone), axis=1)
-    assert np.sqrt(np.mean(distances**2)) < 0.03
+    # Sideways only the soft tissue holds the vessel, so sections of the two runs lie a few hundredths of a mm apart.
+    assert np.sqrt(np.mean(distances**2)) < 0.04
     names = {
         data.GetPointData().GetArrayName(k)
         for data in [carried]
