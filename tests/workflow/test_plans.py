@@ -95,11 +95,14 @@ def test_benchmarks_stand_apart_and_feed_the_report(finished):
     }
     assert finished.planned_rules() == set()
     assert finished.planned_rules("benchmarks") == names
-    by_name = ("flow_against_openfoam", "flow_tree_against_openfoam", "flow_growth", "flow_tolerance")
+    by_name = ("flow_against_openfoam", "flow_growth", "flow_tolerance")
     by_name += ("flow_wall_shear", "flow_fda_jet", "flow_finer_mesh", "deployment_coarse_walls")
     by_name += ("deployment_calcium_strength", "flow_starts", "deployment_baseline_patients")
     for name in (*by_name, "reference_against_calculix"):
         assert finished.planned_rules(name) == {name}, "by its name only"
+    patient = finished.planned_rules("flow_tree_against_openfoam") - {"flow_tree_against_openfoam"}
+    assert "flow_solve lcx02 pre" in patient, "one state is that of a patient, whom this study does not have"
+    assert all("lcx02" in rule for rule in patient), patient
     table = finished.folder / "results" / "benchmarks" / "flow_hard_cases" / "hard_cases.csv"
     table.parent.mkdir(parents=True)
     table.write_text("case,ffr\nsharp bend,0.89\n")
