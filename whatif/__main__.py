@@ -5,7 +5,7 @@ import pathlib
 
 from common.errors import guarded
 from common.files import write_json, write_table
-from whatif.case import Case
+from whatif.case import BEFORE, PLANNED, Case
 
 
 def case_from_options(options):
@@ -34,11 +34,20 @@ def run_lumens(options):
     write_json(options.out, ffr_of_lumens(case_from_options(options), options.lumens, options.states))
 
 
-def run_sensitivity(options):
-    from whatif import sensitivity
+def run_flow(options):
+    from whatif.sensitivity import flow_sensitivity
 
-    analyse = {"flow": sensitivity.flow_sensitivity, "deployment": sensitivity.deployment_sensitivity}[options.command]
-    table, intervals = analyse(case_from_options(options), options.config)
+    write_sensitivity(options, *flow_sensitivity(case_from_options(options), options.config, options.states))
+
+
+def run_deployment(options):
+    from whatif.sensitivity import deployment_sensitivity
+
+    write_sensitivity(options, *deployment_sensitivity(case_from_options(options), options.config))
+
+
+def write_sensitivity(options, table, intervals):
+    """Writes the two tables of a sensitivity to the files that the command-line options name."""
     write_table(options.intervals, intervals)
     write_table(options.out, table)
 
@@ -61,14 +70,16 @@ def parser():
     lumens.add_argument("lumens", nargs="+", help="folders below the case's, each with an anatomy/")
     lumens.add_argument("--states", nargs="+", required=True, help="states with an FFR: the reduced model's error")
     lumens.set_defaults(run=run_lumens)
-    for name, text in (
-        ("flow", "FFR over what the flow rests on -> two CSV files"),
-        ("deployment", "FFR and stent area over pressures, places and stiffnesses -> two CSV files; minutes"),
-    ):
-        command = commands.add_parser(name, help=text)
+    flow = commands.add_parser("flow", help="FFR over the uncertain inputs of the flow -> two CSV files")
+    flow.add_argument("--states", nargs="+", default=[BEFORE, PLANNED], help="states with an FFR: the intervals")
+    flow.set_defaults(run=run_flow)
+    deployment = commands.add_parser(
+        "deployment", help="FFR and stent area over pressures, places and stiffnesses -> two CSV files; minutes"
+    )
+    deployment.set_defaults(run=run_deployment)
+    for command in (flow, deployment):
         command.add_argument("--config", type=path, required=True, help="config/cases/<case>.yaml, for the patient")
         command.add_argument("--intervals", type=path, required=True, help="the CSV file of the Latin hypercube")
-        command.set_defaults(run=run_sensitivity)
     for command in commands.choices.values():
         command.add_argument("--case-dir", type=path, required=True, help="results/cases/<case>, computed")
         command.add_argument("--programs", type=path, default=path("build"), help="folder of vci and lumen (build)")

@@ -21,25 +21,36 @@ DEPLOYMENT_INPUTS = (
 
 
 class VariedFlow:
-    """FFR with varied inputs of the flow, by the 1D network, whose losses are scaled to each state's 3D answer."""
+    """FFR with varied inputs of the flow, by the 1D network, whose losses are scaled to each state's 3D answer.
 
-    def __init__(self, case, case_file):
+    states: names of the states with a 3D answer whose FFR is wanted.
+    """
+
+    def __init__(self, case, case_file, states=(BEFORE, PLANNED)):
         self.case = case
         self.patient, self.measured = read_patient(case_file)
         self.inputs = uncertain_inputs(self.patient, case.flow_settings, len(case.boundary["outlets"]))
         self.inputs.append(segmentation.radius_input())
-        self.flow_results = {state: case.flow_result(state) for state in (BEFORE, PLANNED)}
+        self.flow_results = {state: case.flow_result(state) for state in states}
         self.lumens = {state: case.lumen(case.anatomy(state)) for state in self.flow_results}
-        self.planned = {state: self.loss(state, {}) for state in self.lumens}
+        document = self.boundary_at({})
+        self.planned = {state: self.loss(state, document, {}) for state in self.lumens}
 
-    def loss(self, state, values, procedure=None):
-        """The network's loss (1 - FFR) in a state's lumen, with inputs of the flow at `values`.
+    def boundary_at(self, values):
+        """The content of boundary.json with inputs of the flow at `values`.
 
-        procedure: (scene, lumen) of another procedure, in place of the state's own.
+        Raises InputError if the narrowing before PCI cannot pass as much flow as was measured.
         """
         document = boundary_with_inputs(self.case, self.patient, self.measured, values)
         # the probes stay at the study's places, whatever the inputs are
         document["probes"] = self.case.boundary["probes"]
+        return document
+
+    def loss(self, state, document, values, procedure=None):
+        """The network's loss (1 - FFR) in a state's lumen. document: result of `boundary_at` the same `values`.
+
+        procedure: (scene, lumen) of another procedure, in place of the state's own.
+        """
         scene, lumen = procedure or (self.case.scene, self.lumens[state])
         stented = (
             () if state == BEFORE else segmentation.stented_spans(scene)
@@ -47,23 +58,21 @@ class VariedFlow:
         changed_lumen = segmentation.with_radius_change(lumen, values.get(segmentation.RADIUS_INPUT, 0.0), stented)
         return calibrated.network_loss(changed_lumen, document, self.case.flow_settings.expansion_loss)
 
-    def ffr(self, state, values, procedure=None):
+    def ffr(self, state, document, values, procedure=None):
         """FFR of a state: the 3D answer's loss, times the network's loss at `values` over its loss as planned.
 
-        procedure: (scene, lumen) of another procedure, as for `loss`.
+        document, procedure: as for `loss`.
         """
         if not self.planned[state] > 0:
             return self.flow_results[state]["ffr"]
-        loss_ratio = self.loss(state, values, procedure) / self.planned[state]
+        loss_ratio = self.loss(state, document, values, procedure) / self.planned[state]
         return max(0.0, 1 - (1 - self.flow_results[state]["ffr"]) * loss_ratio)
 
     def ffr_of_states(self, values):
-        """{(state, "ffr"): FFR} of both states with inputs of the flow at `values`.
-
-        Empty if the narrowing cannot pass as much flow as was measured.
-        """
+        """{(state, "ffr"): FFR} of all states with inputs of the flow at `values`; empty if there is no answer."""
         try:
-            return {(state, FFR): self.ffr(state, values) for state in self.lumens}
+            document = self.boundary_at(values)
+            return {(state, FFR): self.ffr(state, document, values) for state in self.lumens}
         except InputError as error:
             return report_no_answer(values, error.what)
 
@@ -89,7 +98,8 @@ class VariedDeployments:
                 return report_no_answer(values, error.reason)
             procedure = scene, self.case.lumen(anatomy)
         try:
-            answers = {(PLANNED, FFR): self.flow.ffr(PLANNED, flow_values, procedure)}
+            document = self.flow.boundary_at(flow_values)
+            answers = {(PLANNED, FFR): self.flow.ffr(PLANNED, document, flow_values, procedure)}
         except InputError as error:
             return report_no_answer(values, error.what)
         area = deployment.get(STENT_AREA)
@@ -131,14 +141,16 @@ def scene_with_inputs(scene, values):
     return scene
 
 
-def flow_sensitivity(case, case_file):
-    """Two DataFrames (see `sampling`): FFR over the inputs of the flow, before and after the planned procedure.
+def flow_sensitivity(case, case_file, states):
+    """Two DataFrames (see `sampling`): FFR over the inputs of the flow.
 
-    The first, the tornado, varies one input at a time. The second has the intervals with all inputs varied at once.
+    The first, the tornado, varies one input at a time, before and after the planned procedure. The second has the
+    intervals with all inputs varied at once, in all of `states`, which have a 3D answer.
     """
     flow = VariedFlow(case, case_file)
     table = sampling.one_at_a_time(flow.inputs, flow.ffr_of_states)
-    return table, sampling.sample_intervals(flow.inputs, FLOW_SAMPLES, flow.ffr_of_states)
+    every = VariedFlow(case, case_file, states)
+    return table, sampling.sample_intervals(every.inputs, FLOW_SAMPLES, every.ffr_of_states)
 
 
 def deployment_sensitivity(case, case_file):

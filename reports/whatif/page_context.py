@@ -10,11 +10,12 @@ def planner_context(folder):
     """{plans, plans_error, intervals, ffr_ranges, deployment_varied} of a case's folder, for the page's templates.
 
     plans: rows of ranking.csv. plans_error: error of their FFR, None if not known. intervals: rows of the sampled
-    intervals. ffr_ranges: {state: (lower, upper)}, the interval of FFR over the flow's inputs. If deployment_varied is
-    true, it is the interval over the deployment's inputs too.
+    intervals before and after the planned PCI. ffr_ranges: {state: (lower, upper)}, the interval of FFR over the flow's
+    inputs in each state. If deployment_varied is true, that of the planned PCI is over the deployment's inputs too.
     """
     plans = read_ranking(folder)
     varied = read_intervals(folder)
+    found = [(source, row) for source, table in varied.items() for row in records(table) if row["lower"] is not None]
     rows = [
         {
             **row,
@@ -22,14 +23,13 @@ def planner_context(folder):
             "digits": QUANTITY_DIGITS[row["quantity"]],
             "words": VARIED_INPUTS[source],
         }
-        for source, table in varied.items()
-        for row in records(table)
-        if row["lower"] is not None
+        for source, row in found
+        if row["state"] in STATE_LABELS
     ]
     return {
         "plans": plans,
         "plans_error": next((row["ffr_error"] for row in plans if row["ffr_error"] is not None), None),
         "intervals": rows,
-        "ffr_ranges": {row["state"]: (row["lower"], row["upper"]) for row in rows if row["quantity"] == "ffr"},
+        "ffr_ranges": {row["state"]: (row["lower"], row["upper"]) for _, row in found if row["quantity"] == "ffr"},
         "deployment_varied": "deployment" in varied,
     }

@@ -127,12 +127,12 @@ rule best_plans:
 
 rule flow_sensitivity:
     message:
-        "{wildcards.case}: FFR over what the flow rests on"
+        "{wildcards.case}: FFR over the uncertain inputs of the flow"
     input:
         VARIED,
         scene="results/cases/{case}/vci/scene.json",
         case=ancient(CASE_FILE),
-        code=command_code("whatif", "run_sensitivity"),
+        code=command_code("whatif", "run_flow"),
     output:
         table="results/cases/{case}/sensitivity/flow.csv",
         intervals="results/cases/{case}/sensitivity/flow_intervals.csv",
@@ -143,9 +143,10 @@ rule flow_sensitivity:
     params:
         patient=INPUTS.section("patient"),
         case_dir=case_folder,
+        states=lambda wildcards: " ".join(INPUTS.states_with_flow(wildcards.case)),
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m whatif flow --case-dir {params.case_dir} --config {input.case}"
-        " --intervals {output.intervals} --out {output.table}"
+        " --states {params.states} --intervals {output.intervals} --out {output.table}"
 
 
 # This rule deploys two dozen times for each case. So it is no part of the study and runs only if its file is asked for.
@@ -158,7 +159,7 @@ rule procedure_sensitivity:
         scene="results/cases/{case}/vci/scene.json",
         case=ancient(CASE_FILE),
         programs=[VCI, LUMEN],
-        code=command_code("whatif", "run_sensitivity"),
+        code=command_code("whatif", "run_deployment"),
     output:
         table="results/cases/{case}/sensitivity/deployment.csv",
         intervals="results/cases/{case}/sensitivity/deployment_intervals.csv",

@@ -102,6 +102,13 @@ def test_a_varied_deployment_of_an_earlier_answer_is_left_out(folder, capsys):
     assert "deployment.csv: of an earlier" in capsys.readouterr().err
 
 
+def test_every_state_has_a_range_but_the_text_names_two(folder):
+    write(folder, "flow", FLOW, [NARROW, ("rc", "ffr", 0.945, 0.925, 0.962, 128, 0, 6)])
+    found = planner_context(folder)
+    assert found["ffr_ranges"] == {"vci": (0.92, 0.96), "rc": (0.925, 0.962)}
+    assert [row["name"] for row in found["intervals"]] == ["FFR after the planned PCI"]
+
+
 def test_what_the_page_says(folder):
     assert planner_context(folder)["plans"] == [] and not planner_context(folder)["deployment_varied"]
     write(folder, "deployment", AREA, [WIDE])

@@ -77,13 +77,27 @@ def test_a_flow_that_does_not_pass_has_no_answer(vessel, capsys):
         answers.ffr_of_states({})
 
 
-def test_more_flow_lowers_ffr_before_more_than_after(vessel, tmp_path):
+@pytest.fixture
+def case_file(tmp_path):
     file = tmp_path / "case.yaml"
     file.write_text(
         "kind: surface\ndescription: x\npatient: {lvm_g: 150, sbp_mmhg: 120, dbp_mmhg: 80}\n"
         "lumen: {path: a.stl, units: mm}\nplan: auto\n"
     )
-    answers = sensitivity.VariedFlow(vessel, file)
+    return file
+
+
+def test_each_state_has_an_interval_but_only_two_have_bars(vessel, case_file):
+    table, intervals = sensitivity.flow_sensitivity(vessel, case_file, ["pre", "vci", "rc"])
+    assert set(table["state"]) == {"pre", "vci"}
+    assert intervals["planned"].tolist() == [0.70, 0.90, 0.92]
+    width = dict(zip(intervals["state"], intervals["upper"] - intervals["lower"]))
+    assert all(intervals["lower"] < intervals["planned"]) and all(intervals["planned"] < intervals["upper"])
+    assert width["pre"] > width["vci"] > width["rc"] > 0, "the more is lost, the more depends on the inputs"
+
+
+def test_more_flow_lowers_ffr_before_more_than_after(vessel, case_file):
+    answers = sensitivity.VariedFlow(vessel, case_file)
     planned, more = answers.ffr_of_states({}), answers.ffr_of_states({"mass": 20.0})
     assert planned == {("pre", "ffr"): 0.70, ("vci", "ffr"): 0.90}
     drop = {state: planned[state, "ffr"] - more[state, "ffr"] for state in ("pre", "vci")}
