@@ -29,12 +29,19 @@ def _parser():
     solid = commands.add_parser(
         "reference-3d", help="how far the slices are from a solid in three dimensions (minutes)"
     )
-    solid.add_argument("--scene", type=pathlib.Path, required=True, help="scene.json: devices and procedure")
-    solid.add_argument("--truth", type=pathlib.Path, required=True, help="truth.json of the virtual patient")
-    solid.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `reference`")
+    bent = commands.add_parser(
+        "straightening-3d", help="how far the straightening beam is from a solid in three dimensions (minutes)"
+    )
     mesh_help = "elements round x through the wall x length in mm, coarse to fine"
-    solid.add_argument("--meshes", nargs="+", default=["8x3x2", "12x4x1.2"], metavar="NxNxMM", help=mesh_help)
-    solid.add_argument("--out", type=pathlib.Path, required=True, help="folder for slices_vs_3d.json")
+    for command, document, meshes in (
+        (solid, "slices_vs_3d.json", ["8x3x2", "12x4x1.2"]),
+        (bent, "straightening_vs_3d.json", ["6x2x3", "8x3x2"]),
+    ):
+        command.add_argument("--scene", type=pathlib.Path, required=True, help="scene.json: devices and procedure")
+        command.add_argument("--truth", type=pathlib.Path, required=True, help="truth.json of the virtual patient")
+        command.add_argument("--settings", type=pathlib.Path, help="YAML or JSON: keys of the section `reference`")
+        command.add_argument("--meshes", nargs="+", default=meshes, metavar="NxNxMM", help=mesh_help)
+        command.add_argument("--out", type=pathlib.Path, required=True, help=f"folder for {document}")
     sensitivity = commands.add_parser(
         "reference-sensitivity", help="how much the reference depends on its constants (a minute)"
     )
@@ -90,6 +97,10 @@ def main(arguments=None):
         from .reference.checks import against_solid
 
         against_solid.compare(options.scene, options.truth, options.out, options.meshes, options.settings)
+    elif options.command == "straightening-3d":
+        from .reference.checks import straightening_in_solid
+
+        straightening_in_solid.compare(options.scene, options.truth, options.out, options.meshes, options.settings)
     elif options.command == "reference-sensitivity":
         from .reference.checks import sensitivity
 

@@ -111,6 +111,11 @@ TITLES = {
         "A row is a vessel and a mesh of the solid; errors are those of the slices' area, in the stent, at its ends "
         "and beyond.",
     ),
+    "reference_straightening": (
+        "Reference: straightening by a beam against a solid in three dimensions",
+        "A row is a bent vessel and a mesh of the solid; curvature is the mean along the stent, lost: the part of it "
+        "that the stent takes away.",
+    ),
     "reference_against_calculix": (
         "Reference: slices against CalculiX",
         "A row is a load of an inflated ring, or a stage of one slice through its procedure, by both codes.",

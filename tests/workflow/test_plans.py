@@ -90,6 +90,7 @@ def test_benchmarks_stand_apart_and_feed_the_report(finished):
         "anatomy_speed",
         "anatomy_campaign",
         "reference_against_solid",
+        "reference_straightening",
         "reference_sensitivity",
         "benchmarks",
     }

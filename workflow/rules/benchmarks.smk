@@ -12,6 +12,7 @@ BENCHMARKS = {
     "anatomy_speed": "benchmark.csv",
     "anatomy_campaign": "campaign.csv",
     "reference_against_solid": "benchmark.csv",
+    "reference_straightening": "benchmark.csv",
     "reference_sensitivity": "sensitivity.csv",
 }
 
@@ -292,6 +293,32 @@ rule reference_against_solid:
         "results/benchmarks/logs/reference_against_solid.log",
     benchmark:
         "results/benchmarks/logs/reference_against_solid.tsv"
+    threads: ALL_CORES
+    resources:
+        **WHOLE_NODE,
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --cases {input.cases} --out {params.out}"
+
+
+rule reference_straightening:
+    message:
+        "benchmark: straightening by the reference's beam against a solid in three dimensions"
+    input:
+        program=LUMEN,
+        code=code("data_synthetic", "data_synthetic.generate", "data_synthetic.reference.checks.straightening_in_solid"),
+        script="tests/verification/data_synthetic/straightening_benchmark.py",
+        shared=["tests/verification/data_synthetic/benchmark_case.py", "tests/support/places.py"],
+        plan=code("anatomy", "anatomy.planning.plan"),
+        devices=DEVICES,
+        cases=[f"config/cases/{name}.yaml" for name in ("contrast_bend", "rca01", "lcx02")],
+    output:
+        "results/benchmarks/reference_straightening/benchmark.csv",
+    log:
+        "results/benchmarks/logs/reference_straightening.log",
+    benchmark:
+        "results/benchmarks/logs/reference_straightening.tsv"
     threads: ALL_CORES
     resources:
         **WHOLE_NODE,

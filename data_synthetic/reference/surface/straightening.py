@@ -24,10 +24,14 @@ def axis_displacement(branch, wall_mm, stents, middle_s_mm, settings):
     cosine squared of the angle from the motion. Its integral round the cylinder is 2 pi G per length. The exact value
     for a slender rod in an incompressible medium is the same within a tenth, at the wavelength of this supported beam.
     """
+    return beam_displacement(branch.axis, stents, *vessel_beam(branch, wall_mm, middle_s_mm, settings))
+
+
+def vessel_beam(branch, wall_mm, middle_s_mm, settings):
+    """(bending stiffness in N mm2, foundation in N/mm2) of the vessel as at middle_s_mm."""
     outer = float(branch.healthy_radius(np.array(middle_s_mm))) + wall_mm
     foundation = np.pi * outer * settings["support_mpa_per_mm"]
-    bending = vessel_bending_n_mm2(branch, wall_mm, middle_s_mm, settings)
-    return beam_displacement(branch.axis, stents, bending, foundation)
+    return vessel_bending_n_mm2(branch, wall_mm, middle_s_mm, settings), foundation
 
 
 def vessel_bending_n_mm2(branch, wall_mm, middle_s_mm, settings):
@@ -50,34 +54,58 @@ def beam_displacement(axis, stents, vessel_bending_n_mm2, foundation_n_per_mm2, 
     s = _beam_nodes(axis.length_mm, stents, step_mm)
     if not stents:
         return s, np.zeros((len(s), 3))
-    h = np.diff(s)
     middle = 0.5 * (s[1:] + s[:-1])
-    stent_bending = np.zeros(len(h))
+    stent_bending = np.zeros(len(middle))
     for each_stent in stents:
         stent_bending = np.maximum(stent_bending, np.where(each_stent.covers(middle), each_stent.bending_n_mm2, 0.0))
-    second_derivatives, values, points, weights = _hermite_functions(h)
-    natural_curvature = _curvature_vectors(axis, middle[:, None] + 0.5 * h[:, None] * points)
-    integration_weights = 0.5 * h[:, None] * weights
-    stiffness = np.einsum(
-        "eg,egi,egj->eij",
-        (stent_bending + vessel_bending_n_mm2)[:, None] * integration_weights,
-        second_derivatives,
-        second_derivatives,
-    )
-    stiffness += foundation_n_per_mm2 * np.einsum("eg,egi,egj->eij", integration_weights, values, values)
-    load = -np.einsum(
-        "eg,egi,egk->eik", stent_bending[:, None] * integration_weights, second_derivatives, natural_curvature
-    )
-    unknowns = 2 * np.arange(len(h))[:, None] + np.arange(4)  # w, w' of an element's two nodes
-    shape = (2 * len(s), 2 * len(s))
-    rows, columns = np.repeat(unknowns, 4, axis=1).ravel(), np.tile(unknowns, 4).ravel()
-    matrix = coo_matrix((stiffness.ravel(), (rows, columns)), shape=shape).tocsc()
-    right_side = np.zeros((2 * len(s), 3))
-    np.add.at(right_side, unknowns, load)
+    matrix = beam_matrix(s, stent_bending + vessel_bending_n_mm2, foundation_n_per_mm2)
+    right_side = straightening_load(axis, s, stent_bending)
     free = slice(2, -2)
     solved = np.zeros((2 * len(s), 3))
     solved[free] = spsolve(matrix[free, free], right_side[free])
     return s, solved[::2]
+
+
+def beam_matrix(s_mm, bending_n_mm2, foundation_n_per_mm2):
+    """Stiffness (2n, 2n) of a beam on a foundation, over deflection (mm) and slope of each node in turn.
+
+    s_mm (n,): arc lengths of the nodes; bending_n_mm2 (n - 1,): E I of the elements between them.
+    """
+    h = np.diff(s_mm)
+    second_derivatives, values, _, weights = _hermite_functions(h)
+    integration_weights = 0.5 * h[:, None] * weights
+    stiffness = np.einsum(
+        "eg,egi,egj->eij", bending_n_mm2[:, None] * integration_weights, second_derivatives, second_derivatives
+    )
+    stiffness += foundation_n_per_mm2 * np.einsum("eg,egi,egj->eij", integration_weights, values, values)
+    unknowns = _beam_unknowns(len(h))
+    shape = (2 * len(s_mm), 2 * len(s_mm))
+    rows, columns = np.repeat(unknowns, 4, axis=1).ravel(), np.tile(unknowns, 4).ravel()
+    return coo_matrix((stiffness.ravel(), (rows, columns)), shape=shape).tocsc()
+
+
+def straightening_load(axis, s_mm, stent_bending_n_mm2):
+    """Load (2n, 3), over the unknowns of `beam_matrix`, of stents that are straight if free and bent along the axis.
+
+    stent_bending_n_mm2 (n - 1,): E I of the stents in the elements between the nodes s_mm (n,).
+    """
+    h = np.diff(s_mm)
+    second_derivatives, _, points, weights = _hermite_functions(h)
+    natural_curvature = _curvature_vectors(axis, 0.5 * (s_mm[1:] + s_mm[:-1])[:, None] + 0.5 * h[:, None] * points)
+    load = -np.einsum(
+        "eg,egi,egk->eik",
+        stent_bending_n_mm2[:, None] * (0.5 * h[:, None] * weights),
+        second_derivatives,
+        natural_curvature,
+    )
+    right_side = np.zeros((2 * len(s_mm), 3))
+    np.add.at(right_side, _beam_unknowns(len(h)), load)
+    return right_side
+
+
+def _beam_unknowns(elements):
+    """Numbers (elements, 4) of the unknowns of each element: deflection and slope of its two nodes."""
+    return 2 * np.arange(elements)[:, None] + np.arange(4)
 
 
 def _beam_nodes(length_mm, stents, step_mm):

@@ -42,9 +42,12 @@ class TreatedTube:
     wall, element length in mm). Raises InputError unless the steps have exactly one stented stretch.
     """
 
+    radial_support = False  # as TubeModel takes it
+
     def __init__(self, patient, steps, settings, mesh):
         around, through, element_mm = mesh
         self.branch, self.steps, self.settings = patient.branch, steps, settings
+        self.wall_mm = patient.wall_mm
         axis = self.branch.axis
         unstented_s, stented = slices.slice_positions(
             axis.length_mm, steps, settings["slice_spacing_mm"], settings["margin_mm"]
@@ -65,7 +68,7 @@ class TreatedTube:
         def material(s, theta, radius):
             return tissue.material_constants(self.branch, s, theta, radius)
 
-        self.model = TubeModel(self.tube, axis, material, settings)
+        self.model = TubeModel(self.tube, axis, material, settings, self.radial_support)
         self.model.set_loads({"stent_start": self.stented_span[0], "stent_end": self.stented_span[1]})
         self._balloon_stations = np.full(len(station_s), True)  # stations along the present balloon
 
@@ -117,7 +120,7 @@ class TreatedTube:
         area = self.area_profile()[1].min()
         print(f"{step}: {what}, smallest area {area:.3f} mm2, {self.model.iterations} iterations", file=sys.stderr)
 
-    def _lumen_positions(self):
+    def lumen_positions(self):
         """Positions (stations, 2 around, 3) of the lumen's nodes along their section's tangent, normal and binormal."""
         nodes = self.tube.lumen_nodes()
         s = self.tube.station_s_mm
@@ -127,11 +130,11 @@ class TreatedTube:
 
     def _least_radius_mm(self):
         """Least distance (mm) of the lumen from the axis along the present balloon."""
-        return float(np.linalg.norm(self._lumen_positions()[self._balloon_stations][..., 1:], axis=2).min())
+        return float(np.linalg.norm(self.lumen_positions()[self._balloon_stations][..., 1:], axis=2).min())
 
     def area_profile(self):
         """(arc lengths (stations,) mm, areas (stations,) mm2) of the lumen at the moved stations."""
-        moved = self._lumen_positions()
+        moved = self.lumen_positions()
         return self.tube.station_s_mm + moved[..., 0].mean(axis=1), enclosed_area(moved[..., 1], moved[..., 2])
 
 

@@ -1,0 +1,61 @@
+"""Straightening by the reference's beam against a solid in three dimensions, as CSV.
+
+Run: /usr/bin/python3 tests/verification/data_synthetic/straightening_benchmark.py --out FOLDER [--cases CASE.yaml ...]
+[--meshes 6x2x3 8x3x2]. Each case takes some minutes on one core. First the case is generated, its anatomy is measured
+by build/lumen, and its plan is made.
+"""
+
+import argparse
+import json
+import pathlib
+import tempfile
+
+from benchmark_case import PYTHON, ROOT, grow_and_plan, run, write_csv
+
+
+def rows(case, document):
+    """A row for each mesh of a case's document straightening_vs_3d.json, for the CSV."""
+    before, beam = document["curvature_before_per_mm"], document["beam"]
+    return [
+        {
+            "case": case,
+            "mesh": solid["mesh"],
+            "unknowns": solid["degrees_of_freedom"],
+            "seconds_s": solid["seconds"],
+            "stent_bending_n_mm2": document["stent_bending_n_mm2"],
+            "vessel_bending_n_mm2": document["vessel_bending_n_mm2"],
+            "curvature_before_per_mm": before,
+            "curvature_beam_per_mm": beam["curvature_per_mm"],
+            "curvature_solid_per_mm": solid["curvature_per_mm"],
+            "curvature_stent_in_solid_per_mm": solid["stent_curvature_per_mm"],
+            "lost_beam_percent": 100 * (1 - beam["curvature_per_mm"] / before),
+            "lost_solid_percent": 100 * (1 - solid["curvature_per_mm"] / before),
+            "largest_shift_beam_mm": beam["largest_shift_mm"],
+            "largest_shift_solid_mm": solid["largest_shift_mm"],
+        }
+        for solid in document["solids"]
+    ]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    cases = [ROOT / "config/cases" / f"{name}.yaml" for name in ("contrast_bend", "rca01", "lcx02")]
+    parser.add_argument("--cases", type=pathlib.Path, nargs="+", default=cases)
+    parser.add_argument("--meshes", nargs="+", default=["6x2x3", "8x3x2"])
+    options = parser.parse_args()
+    out = options.out.resolve()
+    out.mkdir(parents=True, exist_ok=True)
+    table = []
+    with tempfile.TemporaryDirectory() as name:
+        for case in options.cases:
+            folder = pathlib.Path(name) / case.stem
+            plan, truth = grow_and_plan(case.resolve(), folder)
+            inputs = ["--scene", plan, "--truth", truth, "--meshes", *options.meshes]
+            run(*PYTHON, "data_synthetic", "straightening-3d", *inputs, "--out", folder)
+            table += rows(case.stem, json.loads((folder / "straightening_vs_3d.json").read_text()))
+    write_csv(out / "benchmark.csv", table)
+
+
+if __name__ == "__main__":
+    main()
