@@ -77,11 +77,13 @@ def agreement_rows(rows):
 def row_digits(row):
     """Number of decimals for bias and sd of a row of agreement.csv.
 
-    It is the usual number of the quantity. If that shows less than two significant digits of bias or sd, it is larger,
-    but at most MOST_DIGITS.
+    It is the usual number of the quantity, or more to show two significant digits of the bias, but at most MOST_DIGITS.
+    An sd that is far smaller gets one decimal more, so that a tiny sd does not fill the table with digits.
     """
-    shown = [decimals(row[key], 2) for key in ("bias", "sd") if row[key]]
-    return max(QUANTITY_DIGITS[row["quantity"]], min(MOST_DIGITS, max(shown, default=0)))
+    least, bias, sd = QUANTITY_DIGITS[row["quantity"]], row["bias"], row["sd"]
+    of_bias = max(least, decimals(bias, 2)) if bias else least
+    of_sd = min(decimals(sd, 2), of_bias + 1 if bias else MOST_DIGITS) if sd else 0
+    return min(MOST_DIGITS, max(of_bias, of_sd))
 
 
 def unit_name(row):

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from reports.page.agreement import agreement_rows
+from reports.page.agreement import agreement_rows, row_digits
 from reports.page.verdict.lines import too_few
 from reports.page.digits import lower_first, signed
 from reports.study.nearer import nearer_table, paired_test
@@ -94,6 +94,13 @@ def test_small_biases_have_two_digits():
     row = by_name[("Mean CSA", "vci_minus_reference")]
     assert signed(row["bias"], row["digits"]) == "+0.00020" and signed(row["sd"], row["digits"]) == "+0.00014"
     assert by_name[("Mean CSA", "ct_rc_minus_ct")]["digits"] == 3
+
+
+@pytest.mark.parametrize(
+    "bias, sd, digits", [(-0.0123, 3e-6, 4), (0.0123, 0.0045, 4), (0.2, 0.3, 3), (0.0, 0.00031, 5), (0.1, None, 3)]
+)
+def test_a_tiny_sd_takes_one_decimal_more_than_the_bias(bias, sd, digits):
+    assert row_digits({"quantity": "ffr", "bias": bias, "sd": sd}) == digits
 
 
 def test_a_label_within_a_sentence():
