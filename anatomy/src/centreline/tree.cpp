@@ -94,22 +94,20 @@ void sample(Branch& branch, const WallTree& wall, double step) {
   }
 }
 
-// Index of the parent's sample nearest to the line that continues a side branch backwards. The line goes through
-// `exit`, where the branch leaves the parent's tube, in its `direction` there.
+// Index of the parent's sample where the line that continues a side branch backwards first comes nearest to the
+// parent's axis. The line goes through `exit`, where the branch leaves the parent's tube, in its `direction` there. In
+// a bend the line may come nearer to the axis again, but far upstream and through the wall.
 std::size_t find_take_off(const Branch& parent, const Vec3& exit, const Vec3& direction) {
-  const std::size_t here = nearest_sample(parent, exit);
-  std::size_t best = here;
+  std::size_t best = nearest_sample(parent, exit);
   double nearest = 1e300;
-  for (std::size_t i = 0; i <= here; ++i) {
-    if (parent.s[here] - parent.s[i] > 6 * parent.radius[here])
-      continue;
+  for (std::size_t i = best + 1; i-- > 0;) {
     const Vec3 d = parent.x[i] - exit;
     const double along = std::min(0.0, d.dot(direction));
     const double distance = (d - along * direction).norm();
-    if (distance < nearest) {
-      nearest = distance;
-      best = i;
-    }
+    if (distance >= nearest)
+      break;
+    nearest = distance;
+    best = i;
   }
   return best;
 }

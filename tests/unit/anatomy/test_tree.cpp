@@ -81,6 +81,35 @@ TEST(Tree, EveryEndSectionIsFlagged) {
   }
 }
 
+// The straight line that continues the side branch backwards passes 0.25 mm beside the axis where the branch leaves. It
+// meets the axis 6.4 mm upstream, at the other end of the chord through the bend, where the wall lies between.
+TEST(Tree, ABranchOutsideABendLeavesWhereItMeetsItsParent) {
+  const double leaves_at = 14, chord_back = 6.4;
+  const shapes::Tube tube = shapes::arc(0.25, 1.2, 20);
+  Measured out = measured(tube);
+  const std::size_t inlet = inlet_of(out.ends, tube.axis(0));
+  std::vector<Path> paths = voronoi_paths(out.mesh, out.ends, inlet);
+  const Vec3 junction = tube.axis(leaves_at) + Vec3(0, 0, 0.25), upstream = tube.axis(leaves_at - chord_back);
+  const Vec3 away = (junction - upstream).normalized();
+  Path side;
+  for (double s = 0.5; s < leaves_at; s += 0.1)
+    side.points.push_back(tube.axis(s));
+  for (double t = 0; t < 8; t += 0.1)
+    side.points.push_back(junction + t * away);
+  side.radius.assign(side.points.size(), 1.2);
+  End end;
+  end.centre = junction + 8 * away;
+  end.normal = away;
+  end.area = pi;
+  out.ends.push_back(end);
+  paths.push_back(side);
+  const std::vector<int> main_then_side{0, 0, 1};
+  const std::vector<Branch> branches = build_tree(paths, out.ends, inlet, WallTree(out.mesh), 0.25, main_then_side);
+  ASSERT_EQ(branches.size(), 2u);
+  EXPECT_NEAR(branches[1].s_on_parent, leaves_at, 0.5);
+  EXPECT_NEAR(branches[1].axis.length(), 8, 0.5);
+}
+
 TEST(Lesions, FoundWithTheirReference) {
   shapes::Tube tube = shapes::straight(1.6, 40);
   const auto healthy = [](double s) { return 1.6 - 0.01 * s; };
