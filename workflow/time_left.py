@@ -29,7 +29,7 @@ TYPICAL_SECONDS |= {
     "procedure_figure": 8,
 }
 TYPICAL_SECONDS |= {"half_maximum_segment": 20, "half_maximum_deploy": 8}
-TYPICAL_SECONDS |= {"flow_sensitivity": 8, "settings": 0, "all": 0}
+TYPICAL_SECONDS |= {"flow_sensitivity": 17, "settings": 0, "all": 0}
 DEFAULT_SECONDS = 3  # seconds of any other rule
 ESTIMATE_INTERVAL_S, FEWEST_STEPS = 60.0, 10  # seconds between two estimates; finished steps before the first
 

@@ -5,12 +5,7 @@ Run: /usr/bin/python3 tests/verification/data_synthetic/solid_benchmark.py --out
 measured by build/lumen, and its plan is made.
 """
 
-import argparse
-import json
-import pathlib
-import tempfile
-
-from benchmark_case import PYTHON, ROOT, grow_and_plan, run, write_csv
+from benchmark_case import compare_with_solids
 
 
 def rows(case, document):
@@ -33,25 +28,11 @@ def rows(case, document):
     return found
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=pathlib.Path, required=True)
-    cases = [ROOT / "config/cases" / f"{name}.yaml" for name in ("quick_focal", "long_plaque_bench")]
-    parser.add_argument("--cases", type=pathlib.Path, nargs="+", default=cases)
-    parser.add_argument("--meshes", nargs="+", default=["8x3x2", "12x4x1.2"])
-    options = parser.parse_args()
-    out = options.out.resolve()
-    out.mkdir(parents=True, exist_ok=True)
-    table = []
-    with tempfile.TemporaryDirectory() as name:
-        for case in options.cases:
-            folder = pathlib.Path(name) / case.stem
-            plan, truth = grow_and_plan(case.resolve(), folder)
-            meshes = ["--meshes", *options.meshes]
-            run(*PYTHON, "data_synthetic", "reference-3d", "--scene", plan, "--truth", truth, *meshes, "--out", folder)
-            table += rows(case.stem, json.loads((folder / "slices_vs_3d.json").read_text()))
-    write_csv(out / "benchmark.csv", table)
-
-
 if __name__ == "__main__":
-    main()
+    compare_with_solids(
+        __doc__.splitlines()[0],
+        ("quick_focal", "long_plaque_bench"),
+        ["8x3x2", "12x4x1.2"],
+        ("reference-3d", "slices_vs_3d.json"),
+        rows,
+    )

@@ -5,12 +5,7 @@ Run: /usr/bin/python3 tests/verification/data_synthetic/straightening_benchmark.
 by build/lumen, and its plan is made.
 """
 
-import argparse
-import json
-import pathlib
-import tempfile
-
-from benchmark_case import PYTHON, ROOT, grow_and_plan, run, write_csv
+from benchmark_case import compare_with_solids
 
 
 def rows(case, document):
@@ -37,25 +32,11 @@ def rows(case, document):
     ]
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=pathlib.Path, required=True)
-    cases = [ROOT / "config/cases" / f"{name}.yaml" for name in ("contrast_bend", "rca01", "lcx02")]
-    parser.add_argument("--cases", type=pathlib.Path, nargs="+", default=cases)
-    parser.add_argument("--meshes", nargs="+", default=["6x2x3", "8x3x2"])
-    options = parser.parse_args()
-    out = options.out.resolve()
-    out.mkdir(parents=True, exist_ok=True)
-    table = []
-    with tempfile.TemporaryDirectory() as name:
-        for case in options.cases:
-            folder = pathlib.Path(name) / case.stem
-            plan, truth = grow_and_plan(case.resolve(), folder)
-            inputs = ["--scene", plan, "--truth", truth, "--meshes", *options.meshes]
-            run(*PYTHON, "data_synthetic", "straightening-3d", *inputs, "--out", folder)
-            table += rows(case.stem, json.loads((folder / "straightening_vs_3d.json").read_text()))
-    write_csv(out / "benchmark.csv", table)
-
-
 if __name__ == "__main__":
-    main()
+    compare_with_solids(
+        __doc__.splitlines()[0],
+        ("contrast_bend", "rca01", "lcx02"),
+        ["6x2x3", "8x3x2"],
+        ("straightening-3d", "straightening_vs_3d.json"),
+        rows,
+    )

@@ -8,7 +8,8 @@ from common.implicit.curves import Curve
 from data_synthetic import tree
 from data_synthetic.reference.checks.straightening_in_solid import mean_curvature
 from data_synthetic.reference.slices.slices import Patient
-from data_synthetic.reference.tube.straightened import StraightenedTube
+from data_synthetic.reference.surface import straightening
+from data_synthetic.reference.tube.straightened import StraightenedTube, _timoshenko_matrix
 from data_synthetic.reference.treatment.devices import Balloon, Stent, Step
 
 RADIUS_OF_BEND, LENGTH, HALF, INNER, WALL = 50.0, 40.0, 9.0, 2.0, 0.7
@@ -30,14 +31,29 @@ def straightened(stent_bending):
     return tube, *tube.straighten()
 
 
+def test_a_cantilever_bends_and_shears():
+    """Tip deflection under a force F at the tip: F L^3 / 3 EI + F L / kGA (Timoshenko), whatever the elements."""
+    length, bending, shear = 7.0, 9.0, 0.5
+    matrix = _timoshenko_matrix(np.array([2.0, 1.0, 4.0]), bending, shear, 0.0)
+    force = np.zeros(len(matrix) - 2)
+    force[-2] = 0.3
+    tip = np.linalg.solve(matrix[2:, 2:], force)[-2]
+    assert tip == pytest.approx(0.3 * (length**3 / (3 * bending) + length / shear), rel=1e-9)
+
+
 @pytest.mark.slow
-def test_the_tube_is_straightened_about_as_a_beam_that_shears():
-    """Such a beam shifts by 0.138 mm in the middle, by finite elements; without shear it would be 0.074 mm."""
+def test_the_tube_is_straightened_more_like_a_beam_that_shears():
     tube, shift, _ = straightened(20.0)
     s = tube.tube.station_s_mm
-    middle = np.argmin(np.abs(s - LENGTH / 2))
-    inwards = np.array([0.0, 1.0, 0.0])  # towards the centre of the arc
-    assert shift[middle] @ inwards == pytest.approx(0.138, rel=0.15)
+    inside = np.flatnonzero((s > SPAN[0] - 1e-6) & (s < SPAN[1] + 1e-6))
+    stent, load = tube._stent_beam(s[inside])
+    sheared = np.linalg.solve(stent + tube._vessel_beam(inside)[0], load)[len(inside) // 2, 1]
+    stents = [step.stent for step in tube.steps]
+    beam_s, beam = straightening.axis_displacement(tube.branch, WALL, stents, LENGTH / 2, tube.settings)
+    unsheared = beam[np.argmin(np.abs(beam_s - LENGTH / 2)), 1]
+    found = shift[np.argmin(np.abs(s - LENGTH / 2)), 1]  # towards the centre of the arc
+    assert found == pytest.approx(sheared, rel=0.2)  # the tube also gives way locally at the ends of the stent
+    assert found > 1.4 * unsheared
     assert np.abs(shift[:, 2]).max() < 1e-6, "it stays in its plane"
     assert shift == pytest.approx(shift[::-1] * [-1, 1, 1], abs=5e-3), "the tube is symmetric"
 
