@@ -312,7 +312,7 @@ rule reference_straightening:
         shared=["tests/verification/data_synthetic/benchmark_case.py", "tests/support/places.py"],
         plan=code("anatomy", "anatomy.planning.plan"),
         devices=DEVICES,
-        cases=[f"config/cases/{name}.yaml" for name in ("contrast_bend", "rca01", "lcx02")],
+        cases=[f"config/cases/{name}.yaml" for name in ("quick_focal", "contrast_bend", "lcx02")],
     output:
         "results/benchmarks/reference_straightening/benchmark.csv",
     log:

@@ -35,7 +35,7 @@ def rows(case, document):
 if __name__ == "__main__":
     compare_with_solids(
         __doc__.splitlines()[0],
-        ("contrast_bend", "rca01", "lcx02"),
+        ("quick_focal", "contrast_bend", "lcx02"),
         ["6x2x3", "8x3x2"],
         ("straightening-3d", "straightening_vs_3d.json"),
         rows,
