@@ -17,8 +17,9 @@ from common.implicit.field import LumenField, open_ends
 from .. import truth
 from ..scene import load as load_scene
 from .slices import error_estimate, slices
+from .slices.lumen import solve_lumen
 from .solid import materials
-from .surface import deformation, output, refine, straightening
+from .surface import deformation, output, refine
 from .treatment import devices
 
 WALL_TOLERANCE_MM = 0.05  # a point nearer than this to the true wall counts as on the wall
@@ -50,15 +51,13 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
     lumen = vtp.read_triangles(lumen_path, "run the anatomy step first")
     _check_same_vessel(lumen, branches, lumen_path)
     model = slices.slice_model(settings)
-    field, records, unstented_s = slices.solve_lumen(model, patient, steps, settings)
-    stents = [step.stent for step in steps if step.stent]
-    middle = 0.5 * (unstented_s[0] + unstented_s[-1])
-    axis_s, axis_shift = straightening.axis_displacement(branch, patient.wall_mm, stents, middle, settings)
+    solved = solve_lumen(model, patient, steps, settings)
+    bent, stents = solved.straightening, [step.stent for step in steps if step.stent]
     fixed_ends = [(centre, radius) for _, centre, _, radius in open_ends(branches)]
     surface = _deform_surface(
         lumen,
         branches,
-        lambda x: deformation.move_points(x, branch, field, axis_s, axis_shift, fixed_ends),
+        lambda x: deformation.move_points(x, branch, solved.field, bent.s_mm, bent.vessel_mm, fixed_ends),
         settings["edge_mm"],
     )
 
@@ -67,23 +66,25 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
     def slice_area(refinement, changed, s_mm, stented):
         if refinement not in models:
             models[refinement] = slices.slice_model(changed, refinement)
-        return slices.solve_slice(models[refinement], patient, steps, s_mm, changed, stented)[1]["area_mm2"]
+        pressed = bent.in_section(branch.axis, s_mm) if stented else None
+        return slices.solve_slice(models[refinement], patient, steps, s_mm, changed, stented, pressed)[1]["area_mm2"]
 
-    error = error_estimate.estimate(records, settings, slice_area)
+    error = error_estimate.estimate(solved.records, settings, slice_area)
     document = {
         "schema": "vci-reference-1",
         "case": scene.get("case"),
-        "model": "plane-strain slices, multiplicative J2 plaque and Yeoh wall; straightening by a beam on a foundation",
+        "model": "plane-strain slices, multiplicative J2 plaque and Yeoh wall; the stent and the vessel are beams",
         "branch": branch.name,
         "settings": settings,
         "coarser_than_default": _coarser_settings(settings),
         "materials": _material_document(settings),
         "steps": [{"name": s.name, "action": s.action, **vars(s.balloon)} for s in steps],
         "stents": [vars(stent) for stent in stents],
-        "slices": sorted(records, key=lambda r: (r["s_mm"], r["stented"])),
-        "recoil_percent": _mean_recoil_percent(records, slices.stented_spans(steps)),
-        "minimal_lumen_area_in_stent_mm2": min((r["area_mm2"] for r in records if r["stented"]), default=None),
-        "largest_straightening_mm": float(np.linalg.norm(axis_shift, axis=1).max()),
+        "slices": sorted(solved.records, key=lambda r: (r["s_mm"], r["stented"])),
+        "recoil_percent": _mean_recoil_percent(solved.records, slices.stented_spans(steps)),
+        "minimal_lumen_area_in_stent_mm2": min((r["area_mm2"] for r in solved.records if r["stented"]), default=None),
+        "largest_straightening_mm": float(np.linalg.norm(bent.lumen_shift(), axis=1).max()),
+        "largest_stent_offset_mm": float(np.linalg.norm(bent.offset_mm, axis=1).max(initial=0)),
         "error_estimate": error,
     }
     out = pathlib.Path(out)

@@ -112,7 +112,7 @@ TITLES = {
         "and beyond.",
     ),
     "reference_straightening": (
-        "Reference: straightening by a beam against a solid in three dimensions",
+        "Reference: straightening by beams against a solid in three dimensions",
         "A row is a bent vessel and a mesh of the solid; curvature is the mean along the stent, lost: the part of it "
         "that the stent takes away.",
     ),

@@ -304,7 +304,7 @@ rule reference_against_solid:
 
 rule reference_straightening:
     message:
-        "benchmark: straightening by the reference's beam against a solid in three dimensions"
+        "benchmark: straightening by the beams of the reference against a solid in three dimensions"
     input:
         program=LUMEN,
         code=code("data_synthetic", "data_synthetic.generate", "data_synthetic.reference.checks.straightening_in_solid"),

@@ -1,5 +1,6 @@
 """Difference between the slices and a solid in three dimensions: the command `reference-3d`."""
 
+import dataclasses
 import json
 import logging
 import pathlib
@@ -15,10 +16,12 @@ from common.files import write_json
 
 from .. import run
 from ..slices import slices
+from ..slices.lumen import solve_lumen
 from ..tube.procedure import TreatedTube, enclosed_area
 
 SAMPLE_SPACING_MM = 0.1
 STENT_EDGE_MM = 1.5  # areas nearer than this to a stent's end, on either side, are compared separately
+LIMP_N_MM2 = 1e-3  # bending stiffness of a stent that follows the vessel; 0 would leave its rotation free
 EXCLUDED_END_MM = 1.0  # left out at each end of the computed stretch, where the solid is held
 
 
@@ -73,6 +76,16 @@ def area_errors(s_mm, area, reference_area, span_mm):
     return found
 
 
+def _with_limp_stents(steps):
+    """The steps, with stents that hardly resist bending: in this solid the devices follow the axis, too."""
+    return [
+        dataclasses.replace(step, stent=dataclasses.replace(step.stent, bending_n_mm2=LIMP_N_MM2))
+        if step.stent
+        else step
+        for step in steps
+    ]
+
+
 def compare(scene_path, truth_path, out, meshes, settings_path=None):
     """Writes `out`/slices_vs_3d.json: the lumen's areas by slices and by the solid, and their differences.
 
@@ -84,10 +97,11 @@ def compare(scene_path, truth_path, out, meshes, settings_path=None):
     scene, settings = run.load_scene(scene_path), config.load_section(settings_path, "reference")
     patient, steps = run.read_patient_and_steps(scene, scene_path, truth_path)
     start = time.perf_counter()
-    field, records, unstented_s = slices.solve_lumen(slices.slice_model(settings), patient, steps, settings)
+    solved = solve_lumen(slices.slice_model(settings), patient, _with_limp_stents(steps), settings)
     slice_seconds = time.perf_counter() - start
-    s = np.arange(unstented_s[0] + EXCLUDED_END_MM, unstented_s[-1] - EXCLUDED_END_MM, SAMPLE_SPACING_MM)
-    area = slice_areas(field, patient.branch, s)
+    first, last = solved.sections.s_mm[[0, -1]]
+    s = np.arange(first + EXCLUDED_END_MM, last - EXCLUDED_END_MM, SAMPLE_SPACING_MM)
+    area = slice_areas(solved.field, patient.branch, s)
     solids, areas = [], []
     for text, mesh in zip(meshes, parsed_meshes):
         start = time.perf_counter()
@@ -113,7 +127,11 @@ def compare(scene_path, truth_path, out, meshes, settings_path=None):
         "settings": settings,
         "s_mm": s.round(6).tolist(),
         "area_before_mm2": (np.pi * patient.branch.radius(s) ** 2).round(6).tolist(),
-        "slices": {"count": len(records), "seconds": round(slice_seconds, 1), "area_mm2": area.round(6).tolist()},
+        "slices": {
+            "count": len(solved.records),
+            "seconds": round(slice_seconds, 1),
+            "area_mm2": area.round(6).tolist(),
+        },
         "solids": solids,
     }
     write_json(pathlib.Path(out) / "slices_vs_3d.json", document)

@@ -1,8 +1,8 @@
 """Measures how the reference depends on each constant that is a choice; one constant is varied at a time.
 
 The area is the mean of three slices, at the quarters of the stented stretch. The curvature is the mean over the stented
-axis after the stent has straightened it, computed as a beam. Slices do not depend on the beam's constants. Of the
-slices' constants only the support is varied in the beam. The beam's bending stiffness is a constant of its own here.
+lumen's centres after the stent has straightened the vessel, by the beams. The slices' stiffness as parts of the vessel
+and their resistance to the stent are computed once, and then varied by a factor.
 """
 
 import csv
@@ -11,7 +11,6 @@ import pathlib
 import sys
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from common.documents import config
 from common.errors import InputError
@@ -19,7 +18,9 @@ from common.files import replacing
 
 from .. import run
 from ..slices import slices
-from ..surface import straightening
+from ..slices.lumen import solve_lumen
+from ..straightening.stent_in_vessel import straighten
+from .straightening_in_solid import mean_curvature
 
 SLICE_CONSTANTS = (
     "stent_stiffness_mpa_per_mm",
@@ -29,7 +30,8 @@ SLICE_CONSTANTS = (
     "support_mpa_per_mm",
 )
 SLICE_FACTORS, BEAM_FACTORS = (0.5, 2.0), (0.25, 0.5, 2.0, 4.0)
-STENT_BENDING, VESSEL_BENDING, SUPPORT = "stent bending_stiffness_n_mm2", "vessel_bending_n_mm2", "support_mpa_per_mm"
+STENT_BENDING, SUPPORT = "stent bending_stiffness_n_mm2", "support_mpa_per_mm"
+VESSEL, CONTACT = "vessel's bending and shear stiffness", "sections' resistance to the stent"
 SLICE_POSITIONS = (0.25, 0.5, 0.75)  # places of the slices, as shares of the stented stretch's length
 
 
@@ -40,7 +42,7 @@ def write_sensitivity(scene_path, truth_path, out, settings_path=None):
     stents = [step.stent for step in steps if step.stent]
     if not stents:
         raise InputError("no stent in the scene", f"{scene_path}: procedure", "none", "a plan with a stent")
-    rows = _area_rows(patient, steps, stents, settings) + _curvature_rows(patient, stents, settings)
+    rows = _area_rows(patient, steps, stents, settings) + _curvature_rows(patient, steps, stents, settings)
     with replacing(pathlib.Path(out) / "sensitivity.csv") as partial:
         with open(partial, "w", newline="") as handle:
             writer = csv.DictWriter(handle, list(rows[0]), lineterminator="\n")
@@ -84,31 +86,36 @@ def _area_rows(patient, steps, stents, settings):
     return rows
 
 
-def _curvature_rows(patient, stents, settings):
-    low, high = stented_span(stents)
-    middle = 0.5 * (low + high)
-    vessel_bending = straightening.vessel_bending_n_mm2(patient.branch, patient.wall_mm, middle, settings)
-    known = {**settings, VESSEL_BENDING: vessel_bending}
-    base = mean_curvature(patient, stents, known, (low, high))
-    name = "curvature_per_mm"
-    rows = [_result_row(name, "no stent", 0, 1, mean_curvature(patient, [], known, (low, high)), base)]
-    rows.append(_result_row(name, "none", 1, 1, base, base))
+def _curvature_rows(patient, steps, stents, settings):
+    axis, span, name = patient.branch.axis, stented_span(stents), "curvature_per_mm"
+    solved = solve_lumen(slices.slice_model(settings), patient, steps, settings)
+    foundation = solved.foundation_n_per_mm2
+
+    def curvature(vessel=1.0, contact=1.0, support=1.0, stent=1.0):
+        """Mean curvature in 1/mm with each stiffness multiplied by a factor."""
+        sections = solved.sections
+        changed = dataclasses.replace(
+            sections,
+            bending_n_mm2=vessel * sections.bending_n_mm2,
+            shear_n=vessel * sections.shear_n,
+            laws=[
+                (s, dataclasses.replace(law, force_n_per_mm=contact * law.force_n_per_mm)) for s, law in sections.laws
+            ],
+        )
+        stiffer = [dataclasses.replace(one, bending_n_mm2=stent * one.bending_n_mm2) for one in stents]
+        bent = straighten(axis, stiffer, changed, support * foundation)
+        return mean_curvature(axis, bent.s_mm, bent.lumen_shift(), span)
+
+    base = curvature()
+    before = mean_curvature(axis, solved.straightening.s_mm, 0 * solved.straightening.vessel_mm, span)
+    rows = [_result_row(name, "no stent", 0, 1, before, base), _result_row(name, "none", 1, 1, base, base)]
+    constants = (
+        ("support", SUPPORT, settings["support_mpa_per_mm"]),
+        ("vessel", VESSEL, 1),
+        ("contact", CONTACT, 1),
+        ("stent", STENT_BENDING, stents[0].bending_n_mm2),
+    )
     for factor in BEAM_FACTORS:
-        for key in (SUPPORT, VESSEL_BENDING):
-            value = known[key] * factor
-            found = mean_curvature(patient, stents, {**known, key: value}, (low, high))
-            rows.append(_result_row(name, key, value, factor, found, base))
-        stiffer = [dataclasses.replace(s, bending_n_mm2=s.bending_n_mm2 * factor) for s in stents]
-        found = mean_curvature(patient, stiffer, known, (low, high))
-        rows.append(_result_row(name, STENT_BENDING, stiffer[0].bending_n_mm2, factor, found, base))
+        for key, constant, value in constants:
+            rows.append(_result_row(name, constant, factor * value, factor, curvature(**{key: factor}), base))
     return rows
-
-
-def mean_curvature(patient, stents, settings, span_mm):
-    """Mean curvature (1/mm) of the axis between two arc lengths (mm), straightened by the stents."""
-    axis, middle = patient.branch.axis, 0.5 * sum(span_mm)
-    s, axis_shift = straightening.axis_displacement(patient.branch, patient.wall_mm, stents, middle, settings)
-    spline = CubicSpline(s, axis.point(s) + axis_shift)
-    positions = np.linspace(*span_mm, 200)
-    first, second = spline(positions, 1), spline(positions, 2)
-    return float(np.mean(np.linalg.norm(np.cross(first, second), axis=1) / np.linalg.norm(first, axis=1) ** 3))

@@ -1,4 +1,4 @@
-"""Straightening by the beam of the reference and by a solid in three dimensions: the command `straightening-3d`."""
+"""Straightening by the reference's beams and by a solid in three dimensions: the command `straightening-3d`."""
 
 import json
 import logging
@@ -12,7 +12,9 @@ from common.documents import config
 from common.files import write_json
 
 from .. import run
-from ..surface import straightening
+from ..slices import slices
+from ..slices.lumen import solve_lumen
+from ..straightening import beams
 from ..tube.straightened import StraightenedTube
 from .against_solid import parse_mesh
 
@@ -29,17 +31,15 @@ def mean_curvature(axis, s_mm, shift_mm, span_mm):
     inner = np.arange(s_mm[0] + KNOT_SPACING_MM, s_mm[-1] - 0.5 * KNOT_SPACING_MM, KNOT_SPACING_MM)
     smooth = make_lsq_spline(s_mm, shift_mm, np.concatenate([[s_mm[0]] * 4, inner, [s_mm[-1]] * 4]), 3)
     s = np.linspace(span_mm[0] + STENT_END_MM, span_mm[1] - STENT_END_MM, 201)
-    step = straightening.TANGENT_STEP_MM
-    turning = (axis.frame(s + step)[0] - axis.frame(s - step)[0]) / (2 * step)
-    first, second = axis.frame(s)[0] + smooth(s, 1), turning + smooth(s, 2)
+    first, second = axis.frame(s)[0] + smooth(s, 1), beams.curvature_vectors(axis, s) + smooth(s, 2)
     size = np.linalg.norm(first, axis=1)
     return float((np.linalg.norm(np.cross(first, second), axis=1) / size**3).mean())
 
 
 def compare(scene_path, truth_path, out, meshes, settings_path=None):
-    """Writes `out`/straightening_vs_3d.json: curvature along the stent before, by the beam and by solids.
+    """Writes `out`/straightening_vs_3d.json: curvature along the stent before, by the beams and by solids.
 
-    The solid has two curvatures: that of the lumen's centres, and that of the stent. In the beam they are one.
+    There are two curvatures: that of the lumen's centres, and that of the stent.
 
     meshes: meshes of the solid as texts for `against_solid.parse_mesh`, coarse to fine. Returns the document. Raises
     InputError, ComputationError.
@@ -48,8 +48,7 @@ def compare(scene_path, truth_path, out, meshes, settings_path=None):
     parsed_meshes = [parse_mesh(text) for text in meshes]
     scene, settings = run.load_scene(scene_path), config.load_section(settings_path, "reference")
     patient, steps = run.read_patient_and_steps(scene, scene_path, truth_path)
-    stents = [step.stent for step in steps if step.stent]
-    axis, solids = patient.branch.axis, []
+    stents, axis, solids = [step.stent for step in steps if step.stent], patient.branch.axis, []
     for text, mesh in zip(meshes, parsed_meshes):
         start = time.perf_counter()
         tube = StraightenedTube(patient, steps, settings, mesh)
@@ -68,25 +67,26 @@ def compare(scene_path, truth_path, out, meshes, settings_path=None):
                 "shift_mm": shift.round(6).tolist(),
             }
         )
-    middle = float(np.mean(span))
-    beam_s, beam_shift = straightening.axis_displacement(patient.branch, patient.wall_mm, stents, middle, settings)
-    bending, foundation = straightening.vessel_beam(patient.branch, patient.wall_mm, middle, settings)
+    start = time.perf_counter()
+    solved = solve_lumen(slices.slice_model(settings), patient, steps, settings)
+    bent = solved.straightening
     document = {
-        "schema": "vci-straightening-vs-3d-1",
+        "schema": "vci-straightening-vs-3d-2",
         "case": scene.get("case"),
         "settings": settings,
         "stented_span_mm": [float(end) for end in span],
         "stent_bending_n_mm2": max(one.bending_n_mm2 for one in stents),
-        "vessel_bending_n_mm2": float(bending),
-        "foundation_n_per_mm2": float(foundation),
-        "curvature_before_per_mm": mean_curvature(axis, beam_s, 0 * beam_shift, span),
-        "beam": {
-            "curvature_per_mm": mean_curvature(axis, beam_s, beam_shift, span),
-            "largest_shift_mm": float(np.linalg.norm(beam_shift, axis=1).max()),
+        "foundation_n_per_mm2": float(solved.foundation_n_per_mm2),
+        "curvature_before_per_mm": mean_curvature(axis, bent.s_mm, 0 * bent.vessel_mm, span),
+        "beams": {
+            "seconds": round(time.perf_counter() - start, 1),
+            "curvature_per_mm": mean_curvature(axis, bent.s_mm, bent.lumen_shift(), span),
+            "stent_curvature_per_mm": mean_curvature(axis, bent.s_mm[bent.stented], bent.stent_mm, span),
+            "largest_shift_mm": float(np.linalg.norm(bent.lumen_shift(), axis=1).max()),
         },
         "solids": solids,
     }
     write_json(pathlib.Path(out) / "straightening_vs_3d.json", document)
-    shown = {"before": document["curvature_before_per_mm"], "beam": document["beam"]["curvature_per_mm"]}
+    shown = {"before": document["curvature_before_per_mm"], "beams": document["beams"]["curvature_per_mm"]}
     print(json.dumps(shown | {one["mesh"]: one["curvature_per_mm"] for one in solids}, indent=1))
     return document

@@ -9,14 +9,18 @@ from common import fenicsx
 
 from ..solid import laws
 from ..solid.load_stepping import LoadSteppedModel
+from ..straightening import beams
 from .mesh import LUMEN, OUTSIDE, Annulus
+
+SUPPORT_SHIFT = ("support_shift_a", "support_shift_b")  # shift of the tissue around, in mm along x and y
 
 
 class SliceModel(LoadSteppedModel):
     """Model of a slice that is compiled once, then placed on one slice after another.
 
-    Its loads are a dict of LOAD_NAMES. They are the parameters of the pressure laws of balloon and stent, and a uniform
-    pressure (MPa) for tests. Each law is multiplied by its share, from 0 to 1.
+    Its loads are a dict of LOAD_NAMES and SUPPORT_SHIFT. They are the parameters of the pressure laws of balloon and
+    stent, a uniform pressure (MPa) for tests, and a shift of the tissue around, which presses the section against its
+    device. Each law is multiplied by its share, from 0 to 1.
     """
 
     def __init__(self, around, through, wall_c10_mpa, wall_c20_mpa, bulk_modulus_mpa, support_mpa_per_mm):
@@ -25,9 +29,10 @@ class SliceModel(LoadSteppedModel):
         self._space = fenicsx.function_space(mesh, fenicsx.lagrange("quadrilateral", 2, 2))
         self.u = fem.Function(self._space)
         self._plastic, self._strain, self._material = (self._quadrature_function(mesh, n) for n in (4, 1, 4))
-        self._create_loads(mesh)
+        self._create_loads(mesh, SUPPORT_SHIFT)
         c10, c20 = fem.Constant(mesh, float(wall_c10_mpa)), fem.Constant(mesh, float(wall_c20_mpa))
         bulk, support = fem.Constant(mesh, float(bulk_modulus_mpa)), fem.Constant(mesh, float(support_mpa_per_mm))
+        self.support_mpa_per_mm = float(support_mpa_per_mm)
         points, _ = basix.make_quadrature(basix.CellType.quadrilateral, laws.DEVIATORIC_DEGREE)
         self._points = points
         self._cells = np.arange(mesh.topology.index_map(2).size_local, dtype=np.int32)
@@ -62,11 +67,15 @@ class SliceModel(LoadSteppedModel):
             ufl.inner(deviatoric, virtual) * full
             + laws.volumetric_stress(f, bulk) * ufl.tr(virtual) * reduced
             + load * ufl.inner(area_normal, v) * ds(LUMEN)
-            + support * ufl.inner(self.u, v) * ds(OUTSIDE)
+            + support * ufl.inner(self.u - ufl.as_vector([self._constants[n] for n in SUPPORT_SHIFT]), v) * ds(OUTSIDE)
         )
         self._set_up_solver(residual)
         self._area = fenicsx.form(-0.5 * ufl.inner(at, area_normal) * ds(LUMEN))
         self._lumen = self._lumen_dofs()
+        self._outside = [fenicsx.form(part * ds(OUTSIDE)) for part in (fem.Constant(mesh, 1.0), self.u[0], self.u[1])]
+        first = ufl.tr(laws.isochoric_left_cauchy_green(f)) - 3
+        modulus = ufl.det(f) * (share * shear + (1 - share) * 2 * (c10 + 2 * c20 * first))
+        self._shear_moments = [fenicsx.form(modulus * w * full) for w in (1.0, at[0], at[1], ufl.inner(at, at))]
 
     def _lumen_dofs(self):
         """Numbers of the lumen's nodes in the displacement space, in the order of annulus.theta_rad."""
@@ -88,6 +97,18 @@ class SliceModel(LoadSteppedModel):
         self._plastic.x.array[:] = np.tile([1.0, 1.0, 1.0, 0.0], len(x))
         self._strain.x.array[:] = 0
         self.u.x.array[:] = 0
+        self.set_loads(dict.fromkeys(SUPPORT_SHIFT, 0.0))
+        self.restart()
+
+    def state(self):
+        """The loads, displacement and plastic state, for `restore`."""
+        return self.loads(), [function.x.array.copy() for function in (self.u, self._plastic, self._strain)]
+
+    def restore(self, state):
+        """Goes back to a `state` of the section that is placed now."""
+        self.set_loads(state[0])
+        for function, values in zip((self.u, self._plastic, self._strain), state[1]):
+            function.x.array[:] = values
         self.restart()
 
     def lumen_displacement(self):
@@ -101,3 +122,30 @@ class SliceModel(LoadSteppedModel):
     def lumen_area(self):
         """Area in mm2 that the deformed lumen encloses."""
         return fem.assemble_scalar(self._area)
+
+    def lumen_centre(self):
+        """Centroid (2,) in mm of the area that the deformed lumen encloses."""
+        here = self.lumen_position()
+        following = np.roll(here, -1, axis=0)
+        twice = here[:, 0] * following[:, 1] - following[:, 0] * here[:, 1]
+        return ((here + following) * twice[:, None]).sum(axis=0) / (3 * twice.sum())
+
+    def outside_shift(self):
+        """Mean displacement (2,) in mm of the outside."""
+        length, *moved = (fem.assemble_scalar(form) for form in self._outside)
+        return np.array(moved) / length
+
+    def support_n_per_mm2(self):
+        """Force per length of the vessel by which the tissue around resists a shift of the outside by 1 mm."""
+        return self.support_mpa_per_mm * fem.assemble_scalar(self._outside[0])
+
+    def beam_stiffness(self):
+        """(E I in N mm2, shear stiffness in N) of the deformed section as a part of a beam.
+
+        E = 3 G, with the plaque's elastic G, since a bent vessel strains across the direction in which plaque yields.
+        The wall's G is that of its Yeoh law at its present first invariant. E I is the mean over all directions of
+        bending. THIN_TUBE_SHEAR of the section bears shear.
+        """
+        stiffness, a, b, polar = (fem.assemble_scalar(form) for form in self._shear_moments)
+        bending = 1.5 * (polar - (a**2 + b**2) / stiffness)
+        return bending, beams.THIN_TUBE_SHEAR * stiffness

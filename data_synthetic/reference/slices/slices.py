@@ -1,17 +1,11 @@
-"""Positions of the slices, the solution of one slice, and the lumen's deformation from all slices."""
-
-import sys
+"""Positions of the slices, and the solution of one slice."""
 
 import numpy as np
 
 from ..solid import tissue
-from ..surface import deformation
 from ..treatment import procedure
-from . import error_estimate
+from . import sideways
 from .model import SliceModel
-
-MOST_REFINEMENTS = 3  # slices are added in at most this many rounds
-LEAST_SPACING_MM = 0.09  # no slice is added nearer than this to another
 
 
 class Patient:
@@ -77,10 +71,11 @@ def slice_model(settings, refine=1):
     )
 
 
-def solve_slice(model, patient, steps, s_mm, settings, stented):
+def solve_slice(model, patient, steps, s_mm, settings, stented, pressed=None):
     """Takes the model through the procedure at arc length s_mm: (displacement (2 around, 2) mm of the lumen, record).
 
-    record: the slice's entry (dict) in reference.json. stented: whether stents hold at this slice.
+    record: the slice's entry (dict) in reference.json. stented: whether stents hold at this slice. pressed: None, or
+    (offset (2,) mm, force (2,) N/mm) by which the stent presses the section sideways afterwards.
     """
     patient.place(model, s_mm)
     history = procedure.run_procedure(model, steps, s_mm, settings, stented, patient.branch.name)
@@ -92,58 +87,22 @@ def solve_slice(model, patient, steps, s_mm, settings, stented):
         "area_mm2": float(model.lumen_area()),
         "iterations": model.iterations,
     }
-    return model.lumen_displacement(), record
+    if pressed is None:
+        return model.lumen_displacement(), record
+    return press_slice(model, patient, record, pressed)
 
 
-def solve_lumen(model, patient, steps, settings):
-    """(LumenDeformation, records, arc lengths of the slices without a stent (n,)) from all slices of the branch.
-
-    A stented span gets more slices where evenly spaced ones do not resolve the area. This is judged by
-    `error_estimate.leave_one_out_change`.
-    """
-    unstented_s, spans = slice_positions(
-        patient.branch.axis.length_mm, steps, settings["slice_spacing_mm"], settings["margin_mm"]
-    )
-    records = []
-
-    def solve_and_record(s, stented):
-        moved, record = solve_slice(model, patient, steps, s, settings, stented)
-        records.append(record)
-        print(
-            f"slice {len(records)}: s {s:.2f} mm, radius {record['radius_before_mm']:.3f} -> "
-            f"{np.sqrt(record['area_mm2'] / np.pi):.3f} mm, {record['iterations']} iterations",
-            file=sys.stderr,
-        )
-        return moved, record["area_mm2"]
-
-    def span_field(positions, stented):
-        found = {float(s): solve_and_record(s, stented) for s in positions}
-        for _ in range(MOST_REFINEMENTS if stented else 0):
-            s = np.array(sorted(found))
-            area = np.array([found[x][1] for x in s])
-            error = error_estimate.leave_one_out_change(s, area, settings["edge_decay_mm"])
-            added = midpoints(s, error > settings["slice_tolerance_percent"])
-            if not len(added):
-                break
-            found.update({float(x): solve_and_record(x, stented) for x in added})
-        s = np.array(sorted(found))
-        coupling = settings["edge_decay_mm"] if stented else 0.0
-        return deformation.SpanField(s, model.annulus.theta_rad, np.array([found[x][0] for x in s]), coupling)
-
-    print(
-        f"{len(unstented_s)} slices on {patient.branch.name}, {sum(len(s) for _, _, s in spans)} stented",
-        file=sys.stderr,
-    )
-    unstented = span_field(unstented_s, False)
-    stented_fields = [span_field(s, True) for _, _, s in spans]
-    return deformation.LumenDeformation(unstented, stented_fields, settings["edge_decay_mm"]), records, unstented_s
+def press_slice(model, patient, record, pressed):
+    """Presses the slice that `model` has solved sideways: as `solve_slice`, from the record that it has given."""
+    offset, force = pressed
+    moved = sideways.press(model, offset, force, where(patient, record["s_mm"]))
+    return moved, record | {
+        "stent_offset_mm": [round(float(part), 4) for part in offset],
+        "area_mm2": float(model.lumen_area()),
+        "iterations": model.iterations,
+    }
 
 
-def midpoints(s_mm, coarse):
-    """Arc lengths (k,) of new slices, halfway from each slice with `coarse` (n,) true to its neighbours.
-
-    A new slice is left out if it would lie within LEAST_SPACING_MM of a neighbour.
-    """
-    intervals = np.flatnonzero(coarse[1:] | coarse[:-1])
-    intervals = intervals[np.diff(s_mm)[intervals] > 2 * LEAST_SPACING_MM]
-    return 0.5 * (s_mm[intervals] + s_mm[intervals + 1])
+def where(patient, s_mm):
+    """Name of a slice, for messages."""
+    return f"slice at s = {s_mm:.2f} mm of {patient.branch.name}"

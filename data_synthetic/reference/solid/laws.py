@@ -49,8 +49,13 @@ def plaque_return(f, plastic, hardening_strain, shear, yield_stress, hardening):
 
 def wall_stress(f, c10, c20):
     """Deviatoric Kirchhoff stress of the Yeoh wall W = c10 (I1 - 3) + c20 (I1 - 3)^2, with the isochoric I1."""
-    b_bar = ufl.det(f) ** (-2.0 / 3.0) * f * f.T
+    b_bar = isochoric_left_cauchy_green(f)
     return 2 * (c10 + 2 * c20 * (ufl.tr(b_bar) - 3)) * ufl.dev(b_bar)
+
+
+def isochoric_left_cauchy_green(f):
+    """Left Cauchy-Green tensor of the deformation gradient f without its change of volume."""
+    return ufl.det(f) ** (-2.0 / 3.0) * f * f.T
 
 
 def volumetric_stress(f, bulk):

@@ -90,8 +90,6 @@ SETTINGS_SOURCE = {
     "vessel: diastole would give 0.0045, fat of 0.75 kPa (Strain-dependent shear properties of human adipose tissue in "
     "vivo, J Mech Behav Biomed Mater 2023) 0.0006",
     "bulk_modulus_mpa": "20: choice, a hundred times the fibrous shear modulus (Poisson's ratio 0.495)",
-    "vessel_bending_n_mm2": "from the wall's own constant, 6 C10 pi/4 (r_outer^4 - r_inner^4) of the healthy vessel: a "
-    "tube's second moment of area times the small-strain modulus of the Yeoh wall",
     "edge_decay_mm": "0.6: choice, of the order of sqrt(r t) (3 (1 - nu^2))^(-1/4) for a shell of radius r and "
     "thickness t (Timoshenko, Theory of Plates and Shells), 0.8 mm for 1.4 and 0.7 mm",
 }

@@ -1,4 +1,4 @@
-"""The lumen's surface: displacement between slices, straightening by the stent, refinement, output.
+"""The lumen's surface: displacement between slices, refinement, output.
 
 May import: common.*.
 """

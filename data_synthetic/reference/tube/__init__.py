@@ -3,5 +3,5 @@
 Only the folder `checks` imports this one.
 
 May import: common.*, data_synthetic.reference.solid, data_synthetic.reference.treatment,
-data_synthetic.reference.slices, data_synthetic.reference.surface.
+data_synthetic.reference.straightening, data_synthetic.reference.slices.
 """

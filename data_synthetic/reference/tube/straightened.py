@@ -6,12 +6,11 @@ import numpy as np
 
 from common.errors import ComputationError
 
-from ..surface import straightening
+from ..straightening import beams
 from .procedure import TreatedTube
 
 SHIFT_TOLERANCE_MM = 2e-3  # the stent's axis is found if no station would move farther than this
 MOST_SHIFTS = 25
-THIN_TUBE_SHEAR = 0.5  # share of a thin tube's section that bears shear (Cowper 1966)
 
 
 class StraightenedTube(TreatedTube):
@@ -19,8 +18,8 @@ class StraightenedTube(TreatedTube):
 
     The energy of the tube, of its contact with the stent, and of the stent's bending E_s/2 |c'' + w''|^2 is least over
     the tube's displacement and the stent's shift w; c is the axis before the stent. The tube is supported as the beam
-    of surface.straightening is: radially, with both ends clamped. The contact has no friction. Along the axis the
-    stent is held by that beam's foundation.
+    of straightening.beams is: radially, with both ends clamped. The contact has no friction. Along the axis the stent
+    is held by that beam's foundation.
     """
 
     radial_support = True
@@ -64,27 +63,17 @@ class StraightenedTube(TreatedTube):
 
     def _stent_beam(self, s_mm):
         """(stiffness (n, n) in N/mm, load (n, 3) in N) of the stents over the deflections at stations s_mm (n,)."""
-        middle = 0.5 * (s_mm[1:] + s_mm[:-1])
-        bending = np.max([one.bending_n_mm2 * one.covers(middle) for one in self._stents()], axis=0)
-        matrix = straightening.beam_matrix(s_mm, bending, 0.0).toarray()
-        return _condensed(
-            matrix, straightening.straightening_load(self.branch.axis, s_mm, bending), 2 * np.arange(len(s_mm))
-        )
+        bending = beams.stent_bending(self._stents(), s_mm)
+        matrix = beams.stent_matrix(s_mm, bending).toarray()
+        return _condensed(matrix, beams.straightening_load(self.branch.axis, s_mm, bending), 2 * np.arange(len(s_mm)))
 
     def _vessel_beam(self, inside):
-        """The vessel as a beam: (stiffness (n, n) in N/mm at the stations numbered `inside`, foundation in N/mm2).
-
-        Unlike the beam of surface.straightening it shears, so that it yields to the ends of a stent as the solid does.
-        """
-        s, middle = self.tube.station_s_mm, np.mean(self.stented_span)
-        bending, foundation = straightening.vessel_beam(self.branch, self.wall_mm, middle, self.settings)
-        inner = float(self.branch.healthy_radius(np.array(middle)))
-        section = np.pi * ((inner + self.wall_mm) ** 2 - inner**2)
-        shear = THIN_TUBE_SHEAR * 2 * self.settings["wall_c10_mpa"] * section
-        matrix = _timoshenko_matrix(np.diff(s), bending, shear, foundation)
+        """The healthy vessel as a beam: (stiffness (n, n) in N/mm at stations `inside`, foundation in N/mm2)."""
+        s, place = self.tube.station_s_mm, (self.branch, self.wall_mm, np.mean(self.stented_span), self.settings)
+        foundation = beams.foundation_n_per_mm2(*place)
         clamped = slice(2, -2)
-        no_load = np.zeros((2 * len(s) - 4, 3))
-        return _condensed(matrix[clamped, clamped], no_load, 2 * (inside - 1))[0], foundation
+        matrix = beams.vessel_matrix(s, *beams.healthy_stiffness(*place), foundation).toarray()[clamped, clamped]
+        return _condensed(matrix, np.zeros((len(matrix), 3)), 2 * (inside - 1))[0], foundation
 
     def _stents(self):
         return [step.stent for step in self.steps if step.stent]
@@ -99,21 +88,3 @@ def _condensed(matrix, load, kept):
         matrix[np.ix_(kept, kept)] - coupling @ follow[:, : len(kept)],
         load[kept] - coupling @ follow[:, len(kept) :],
     )
-
-
-def _timoshenko_matrix(h, bending, shear, foundation):
-    """Stiffness (2n, 2n) of a beam that shears, over deflection (mm) and rotation of each of its n nodes in turn.
-
-    h (n - 1,): lengths of its elements in mm. bending in N mm2, shear in N, foundation in N/mm2. The elements are exact
-    under loads at the nodes (Przemieniecki 1968); the foundation is lumped to the nodes.
-    """
-    matrix = np.zeros((2 * len(h) + 2, 2 * len(h) + 2))
-    for k, length in enumerate(h):
-        phi = 12 * bending / (shear * length**2)
-        half, near, far = 6 * length, (4 + phi) * length**2, (2 - phi) * length**2
-        rows = [[12, half, -12, half], [half, near, -half, far], [-12, -half, 12, -half], [half, far, -half, near]]
-        at = slice(2 * k, 2 * k + 4)
-        matrix[at, at] += bending / (length**3 * (1 + phi)) * np.array(rows)
-        matrix[2 * k, 2 * k] += 0.5 * foundation * length
-        matrix[2 * k + 2, 2 * k + 2] += 0.5 * foundation * length
-    return matrix

@@ -1,14 +1,11 @@
 """The estimate of the reference's own error, on slices whose errors are known."""
 
-import types
-
 import numpy as np
 import pytest
 
 from common.documents import config
 from data_synthetic.reference import run
-from data_synthetic.reference.slices import error_estimate, slices
-from data_synthetic.reference.treatment import devices
+from data_synthetic.reference.slices import error_estimate, lumen
 
 STEP, MESH = 0.02, 0.08  # relative errors of the area: per mm of load step, at mesh refinement 1
 SETTINGS = {"radius_step_mm": 0.2, "check_slices": 3, "edge_decay_mm": 0.0}
@@ -69,31 +66,17 @@ def test_a_coarser_reference_says_so():
     assert run._coarser_settings(coarse) == {"slice_spacing_mm": [1.0, 0.75], "elements_around": [16, 24]}
 
 
-def test_slices_are_added_where_the_area_bends_sharply(monkeypatch):
+def test_slices_are_added_where_the_area_bends_sharply():
     """A balloon's end leaves a kink in the area. Slices are added at the kink and nowhere else."""
-    kink, positions = 11.3, []
+    kink, even, settings = 11.3, np.linspace(6, 18, 17), config.load_section(None, "reference")
 
-    def solve(model, patient, steps, s_mm, settings, stented):
-        value = 8.0 + 2.0 * max(s_mm - kink, 0.0)
-        positions.append((s_mm, stented))
-        record = {"s_mm": s_mm, "stented": stented, "area_mm2": value, "radius_before_mm": 1.0, "iterations": 1}
-        return np.full((4, 2), value), record
+    def bent(s_mm):
+        return 8.0 + 2.0 * np.maximum(s_mm - kink, 0.0)
 
-    monkeypatch.setattr(slices, "solve_slice", solve)
-    balloon = devices.Balloon("b", 12.0, 14.0, 1.5, 1.0, 20.0, 1.2)
-    steps = [devices.Step("stent", "stent", balloon, devices.Stent("s", 6.0, 18.0, 0.955, 0.2, 20.0, 1.5, 0.5))]
-    axis = types.SimpleNamespace(length_mm=40.0)
-    patient = types.SimpleNamespace(branch=types.SimpleNamespace(name="main", axis=axis))
-    model = types.SimpleNamespace(annulus=types.SimpleNamespace(theta_rad=np.arange(4) * np.pi / 2))
-    settings = config.load_section(None, "reference")
-    _, records, _ = slices.solve_lumen(model, patient, steps, settings)
-    held = np.array(sorted(s for s, stented in positions if stented))
-    even = np.linspace(6, 18, 17)
+    found = lumen.refined(even, lambda s: (np.full((4, 2), bent(s)), bent(s)), settings)
+    held = np.array(list(found))
     added = held[np.abs(held[:, None] - even).min(axis=1) > 1e-9]
-    assert 2 <= len(added) <= 8 and np.abs(added - kink).max() < 1.2
-    assert len(records) == len(positions) and not any(s in added for s, stented in positions if not stented)
-    area = np.array([8.0 + 2.0 * max(s - kink, 0.0) for s in held])
-    tolerance = settings["slice_tolerance_percent"]
-    coupling = settings["edge_decay_mm"]
-    assert error_estimate.leave_one_out_change(even, 8.0 + 2.0 * np.maximum(even - kink, 0), coupling).max() > tolerance
-    assert error_estimate.leave_one_out_change(held, area, coupling).max() <= tolerance
+    assert np.all(np.diff(held) > 0) and 2 <= len(added) <= 8 and np.abs(added - kink).max() < 1.2
+    tolerance, coupling = settings["slice_tolerance_percent"], settings["edge_decay_mm"]
+    assert error_estimate.leave_one_out_change(even, bent(even), coupling).max() > tolerance
+    assert error_estimate.leave_one_out_change(held, bent(held), coupling).max() <= tolerance

@@ -10,6 +10,7 @@ from common.errors import InputError
 from data_synthetic.reference import run
 from data_synthetic.reference.checks import sensitivity
 from data_synthetic.reference.slices import slices
+from data_synthetic.reference.straightening import stent_in_vessel
 from data_synthetic.reference.treatment import devices
 
 
@@ -26,6 +27,16 @@ def table(branches, monkeypatch, tmp_path):
     monkeypatch.setattr(run, "read_patient_and_steps", lambda *_: (patient, steps))
     monkeypatch.setattr(slices, "slice_model", lambda settings: None)
     monkeypatch.setattr(slices, "solve_slice", solve)
+    law = stent_in_vessel.SidewaysLaw(*np.array([[0.0, 0.1], [0.0, 0.05], [0.0, 0.08]]))
+    axis = branches[0].axis
+    ends = np.array([0.0, axis.length_mm])
+    sections = stent_in_vessel.VesselSections(ends, np.full(2, 8.0), np.full(2, 2.0), [(s, law) for s in ends])
+
+    def solve_all(model, patient, steps, settings):
+        bent = stent_in_vessel.straighten(axis, [steps[0].stent], sections, 0.08)
+        return types.SimpleNamespace(straightening=bent, sections=sections, foundation_n_per_mm2=0.08)
+
+    monkeypatch.setattr(sensitivity, "solve_lumen", solve_all)
 
     def made():
         sensitivity.write_sensitivity("scene", "truth", tmp_path)
@@ -53,10 +64,13 @@ def test_each_constant_is_varied_alone(table):
 
 def test_what_resists_keeps_the_curvature_and_what_is_stiff_takes_it(table):
     rows = table()
-    for constant, sign in ((sensitivity.SUPPORT, 1), (sensitivity.VESSEL_BENDING, 1), (sensitivity.STENT_BENDING, -1)):
+    signs = {sensitivity.VESSEL: 1, sensitivity.CONTACT: -1, sensitivity.STENT_BENDING: -1}
+    for constant, sign in signs.items():
         found = [change(rows, "curvature_per_mm", constant, f"{f:g}") for f in sensitivity.BEAM_FACTORS]
         assert np.all(np.diff(np.multiply(sign, found)) > 0), constant
         assert sign * found[0] < 0 < sign * found[-1]
+    support = [change(rows, "curvature_per_mm", sensitivity.SUPPORT, factor) for factor in ("2", "4")]
+    assert 0 < support[0] < support[1], "a very soft support lets the vessel swing, which is no straightening"
     assert change(rows, "curvature_per_mm", "no stent", "1") > 0
 
 

@@ -1,4 +1,4 @@
-"""Straightening by the reference's beam against a solid in three dimensions, as CSV.
+"""Straightening by the reference's beams against a solid in three dimensions, as CSV.
 
 Run: /usr/bin/python3 tests/verification/data_synthetic/straightening_benchmark.py --out FOLDER [--cases CASE.yaml ...]
 [--meshes 6x2x3 8x3x2]. Each case takes some minutes on one core. First the case is generated, its anatomy is measured
@@ -10,7 +10,7 @@ from benchmark_case import compare_with_solids
 
 def rows(case, document):
     """A row for each mesh of a case's document straightening_vs_3d.json, for the CSV."""
-    before, beam = document["curvature_before_per_mm"], document["beam"]
+    before, beams = document["curvature_before_per_mm"], document["beams"]
     return [
         {
             "case": case,
@@ -18,14 +18,14 @@ def rows(case, document):
             "unknowns": solid["degrees_of_freedom"],
             "seconds_s": solid["seconds"],
             "stent_bending_n_mm2": document["stent_bending_n_mm2"],
-            "vessel_bending_n_mm2": document["vessel_bending_n_mm2"],
             "curvature_before_per_mm": before,
-            "curvature_beam_per_mm": beam["curvature_per_mm"],
+            "curvature_beams_per_mm": beams["curvature_per_mm"],
             "curvature_solid_per_mm": solid["curvature_per_mm"],
+            "curvature_stent_beams_per_mm": beams["stent_curvature_per_mm"],
             "curvature_stent_in_solid_per_mm": solid["stent_curvature_per_mm"],
-            "lost_beam_percent": 100 * (1 - beam["curvature_per_mm"] / before),
+            "lost_beams_percent": 100 * (1 - beams["curvature_per_mm"] / before),
             "lost_solid_percent": 100 * (1 - solid["curvature_per_mm"] / before),
-            "largest_shift_beam_mm": beam["largest_shift_mm"],
+            "largest_shift_beams_mm": beams["largest_shift_mm"],
             "largest_shift_solid_mm": solid["largest_shift_mm"],
         }
         for solid in document["solids"]
