@@ -39,7 +39,8 @@ def mean_curvature(axis, s_mm, shift_mm, span_mm):
 def compare(scene_path, truth_path, out, meshes, settings_path=None):
     """Writes `out`/straightening_vs_3d.json: curvature along the stent before, by the beams and by solids.
 
-    There are two curvatures: that of the lumen's centres, and that of the stent.
+    There are two curvatures: that of the lumen's centres, and that of the stent. Areas of the lumen at the stent's two
+    ends show how the stent presses the wall outwards there; `before` is before the stent straightens the vessel.
 
     meshes: meshes of the solid as texts for `against_solid.parse_mesh`, coarse to fine. Returns the document. Raises
     InputError, ComputationError.
@@ -53,16 +54,20 @@ def compare(scene_path, truth_path, out, meshes, settings_path=None):
         start = time.perf_counter()
         tube = StraightenedTube(patient, steps, settings, mesh)
         tube.run()
-        (shift, stent_shift), span, s = tube.straighten(), tube.stented_span, tube.tube.station_s_mm
-        stented_s = s[(s > span[0] - 1e-6) & (s < span[1] + 1e-6)]
+        span, s = tube.stented_span, tube.tube.station_s_mm
+        inside = np.flatnonzero((s > span[0] - 1e-6) & (s < span[1] + 1e-6))
+        held = tube.area_profile()[1][inside[[0, -1]]]
+        shift, stent_shift = tube.straighten()
         solids.append(
             {
                 "mesh": text,
                 "degrees_of_freedom": tube.model.degrees_of_freedom(),
                 "seconds": round(time.perf_counter() - start, 1),
                 "curvature_per_mm": mean_curvature(axis, s, shift, span),
-                "stent_curvature_per_mm": mean_curvature(axis, stented_s, stent_shift, span),
+                "stent_curvature_per_mm": mean_curvature(axis, s[inside], stent_shift, span),
                 "largest_shift_mm": float(np.linalg.norm(shift, axis=1).max()),
+                "end_areas_before_mm2": held.tolist(),
+                "end_areas_mm2": tube.area_profile()[1][inside[[0, -1]]].tolist(),
                 "s_mm": s.round(6).tolist(),
                 "shift_mm": shift.round(6).tolist(),
             }
@@ -83,6 +88,7 @@ def compare(scene_path, truth_path, out, meshes, settings_path=None):
             "curvature_per_mm": mean_curvature(axis, bent.s_mm, bent.lumen_shift(), span),
             "stent_curvature_per_mm": mean_curvature(axis, bent.s_mm[bent.stented], bent.stent_mm, span),
             "largest_shift_mm": float(np.linalg.norm(bent.lumen_shift(), axis=1).max()),
+            "end_areas_mm2": [r["area_mm2"] for r in _ends(solved.records)],
         },
         "solids": solids,
     }
@@ -90,3 +96,9 @@ def compare(scene_path, truth_path, out, meshes, settings_path=None):
     shown = {"before": document["curvature_before_per_mm"], "beams": document["beams"]["curvature_per_mm"]}
     print(json.dumps(shown | {one["mesh"]: one["curvature_per_mm"] for one in solids}, indent=1))
     return document
+
+
+def _ends(records):
+    """The first and the last of the records of slices with a stent."""
+    stented = sorted((r for r in records if r["stented"]), key=lambda r: r["s_mm"])
+    return stented[0], stented[-1]

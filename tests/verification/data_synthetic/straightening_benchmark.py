@@ -5,6 +5,7 @@ Run: /usr/bin/python3 tests/verification/data_synthetic/straightening_benchmark.
 by build/lumen, and its plan is made.
 """
 
+import numpy as np
 from benchmark_case import compare_with_solids
 
 
@@ -25,6 +26,9 @@ def rows(case, document):
             "curvature_stent_in_solid_per_mm": solid["stent_curvature_per_mm"],
             "lost_beams_percent": 100 * (1 - beams["curvature_per_mm"] / before),
             "lost_solid_percent": 100 * (1 - solid["curvature_per_mm"] / before),
+            "area_at_ends_before_solid_mm2": np.mean(solid["end_areas_before_mm2"]),
+            "area_at_ends_beams_mm2": np.mean(beams["end_areas_mm2"]),
+            "area_at_ends_solid_mm2": np.mean(solid["end_areas_mm2"]),
             "largest_shift_beams_mm": beams["largest_shift_mm"],
             "largest_shift_solid_mm": solid["largest_shift_mm"],
         }
