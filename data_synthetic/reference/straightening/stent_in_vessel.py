@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import bmat, coo_matrix, kron
+from scipy.sparse import block_diag, bmat, coo_matrix, diags, kron
 from scipy.sparse import eye as identity
 from scipy.sparse.linalg import spsolve
 
@@ -12,8 +12,7 @@ from common.errors import ComputationError
 from . import beams
 
 OFFSET_TOLERANCE_MM = 1e-6  # the offsets are found if the next iteration changes none by more
-LEAST_OFFSET_MM = 1e-4  # below this a section's resistance is taken as linear
-MOST_ITERATIONS = 300
+MOST_ITERATIONS, MOST_HALVINGS = 100, 30  # of Newton's method, and of one of its steps
 
 
 @dataclass(frozen=True)
@@ -29,11 +28,19 @@ class SidewaysLaw:
     force_n_per_mm: np.ndarray
     lumen_mm: np.ndarray
 
-    def __call__(self, offset_mm):
-        """(force in N/mm, lumen's shift in mm) at an offset >= 0."""
-        k = np.clip(np.searchsorted(self.offset_mm, offset_mm), 1, len(self.offset_mm) - 1)
-        share = (offset_mm - self.offset_mm[k - 1]) / (self.offset_mm[k] - self.offset_mm[k - 1])
-        return [v[k - 1] + share * (v[k] - v[k - 1]) for v in (self.force_n_per_mm, self.lumen_mm)]
+    def at(self, offset_mm):
+        """(force in N/mm, its derivative in N/mm2, energy in N, lumen's shift in mm) at an offset >= 0."""
+        offset, force, lumen = self.offset_mm, self.force_n_per_mm, self.lumen_mm
+        k = np.clip(np.searchsorted(offset, offset_mm), 1, len(offset) - 1)
+        over, width = offset_mm - offset[k - 1], offset[k] - offset[k - 1]
+        slope = (force[k] - force[k - 1]) / width
+        stored = np.sum(0.5 * (force[1:k] + force[: k - 1]) * np.diff(offset[:k]))
+        return (
+            force[k - 1] + slope * over,
+            slope,
+            stored + force[k - 1] * over + 0.5 * slope * over**2,
+            lumen[k - 1] + (lumen[k] - lumen[k - 1]) / width * over,
+        )
 
 
 @dataclass(frozen=True)
@@ -49,12 +56,12 @@ class VesselSections:
     laws: list
 
     def law_values(self, s_mm, offset_mm):
-        """(forces in N/mm, lumen's shifts in mm), each (n,), at arc lengths and offsets (n,); linear along s."""
+        """`SidewaysLaw.at`, each (n,), at arc lengths and offsets (n,). Between the laws it is linear along s."""
         at = np.array([s for s, _ in self.laws])
         k = np.clip(np.searchsorted(at, s_mm), 1, len(at) - 1)
         share = np.clip((s_mm - at[k - 1]) / (at[k] - at[k - 1]), 0, 1)
         before, after = (
-            np.array([self.laws[j][1](offset) for j, offset in zip(index, offset_mm)]) for index in (k - 1, k)
+            np.array([self.laws[j][1].at(offset) for j, offset in zip(index, offset_mm)]) for index in (k - 1, k)
         )
         return ((1 - share)[:, None] * before + share[:, None] * after).T
 
@@ -108,43 +115,99 @@ def straighten(axis, stents, sections, foundation_n_per_mm2, step_mm=beams.LARGE
     if not stents:
         none = np.zeros((0, 3))
         return Straightening(s, np.zeros((len(s), 3)), np.zeros(0, int), none, none, none, none)
-    stented = np.flatnonzero(np.any([one.covers(s) for one in stents], axis=0))
-    vessel = beams.vessel_matrix(s, bending, shear, foundation_n_per_mm2)[2:-2, 2:-2]
-    stent, load = _stent_beams(axis, stents, s, stented)
-    free = kron(bmat([[vessel, None], [None, stent]]), identity(3)).tocsc()
-    first_stent = vessel.shape[0]
-    right_side = np.zeros((free.shape[0] // 3, 3))
-    right_side[first_stent:] = load
-    tangent = axis.frame(s[stented])[0]
-    along = np.einsum("si,sj->sij", tangent, tangent)
-    across = np.eye(3) - along
-    length = _lumped_lengths(s, stents)[stented]
-    vessel_unknown = np.where((stented > 0) & (stented < len(s) - 1), 2 * (stented - 1), -1)
-    stent_unknown = first_stent + 2 * np.arange(len(stented))
-    held = length[:, None, None] * foundation_n_per_mm2 * along
-    offset = np.zeros(len(stented))
+    beam = _CoupledBeams(axis, stents, s, vessel=(bending, shear, foundation_n_per_mm2), sections=sections)
+    x = np.zeros(beam.size)
     for _ in range(MOST_ITERATIONS):
-        # The secant f/d of the law is what couples the beams, with d of the iteration before.
-        at = np.maximum(offset, LEAST_OFFSET_MM)
-        secant = sections.law_values(s[stented], at)[0] / at
-        coupling = (length * secant)[:, None, None] * across
-        matrix = free + _coupling_matrix(coupling, held, vessel_unknown, stent_unknown, free.shape[0])
-        solved = spsolve(matrix, right_side.ravel()).reshape(-1, 3)
-        shift, stent_shift = np.zeros((len(s), 3)), solved[stent_unknown]
-        shift[1:-1] = solved[:first_stent:2]
-        vector = np.einsum("sij,sj->si", across, stent_shift - shift[stented])
-        before, offset = offset, np.linalg.norm(vector, axis=1)
-        change = np.abs(offset - before).max()
-        if change < OFFSET_TOLERANCE_MM:
-            force, lumen = sections.law_values(s[stented], offset)
-            unit = vector / np.maximum(offset, 1e-12)[:, None]
-            return Straightening(s, shift, stented, stent_shift, vector, force[:, None] * unit, lumen[:, None] * unit)
+        change = beam.newton_step(x)
+        energy, step = beam.energy(x), 1.0
+        while beam.energy(x + step * change) > energy and step > 0.5**MOST_HALVINGS:
+            step *= 0.5
+        largest = np.abs(beam.offsets(change)).max()
+        x = x + step * change
+        if largest < OFFSET_TOLERANCE_MM:
+            return beam.straightening(x)
     raise ComputationError(
         "the stent found no place in the vessel",
         "straightening",
-        f"{change:.2e} mm in the last iteration",
+        f"{largest:.2e} mm in the last iteration",
         "a softer stent",
     )
+
+
+class _CoupledBeams:
+    """The energy of `straighten` and its derivatives, over the unknowns x (size,) of the vessel, then of the stents.
+
+    Each unknown of `beams.vessel_matrix` and `beams.stent_matrix` has three components. The vessel's ends are left out.
+    """
+
+    def __init__(self, axis, stents, s_mm, vessel, sections):
+        bending, shear, foundation = vessel
+        self.s, self.sections = s_mm, sections
+        self.stented = np.flatnonzero(np.any([one.covers(s_mm) for one in stents], axis=0))
+        matrix = beams.vessel_matrix(s_mm, bending, shear, foundation)[2:-2, 2:-2]
+        stent, load = _stent_beams(axis, stents, s_mm, self.stented)
+        self.first_stent, self.size = matrix.shape[0], 3 * (matrix.shape[0] + stent.shape[0])
+        tangent = axis.frame(s_mm[self.stented])[0]
+        along = np.einsum("si,sj->sij", tangent, tangent)
+        self.length = _lumped_lengths(s_mm, stents)[self.stented]
+        # Offsets of the stented nodes from x, across the axis; and the stent's shifts along it.
+        self.offset_matrix = self._difference(np.eye(3) - along, True)
+        sliding = self._difference(along, False)
+        held = np.repeat(self.length * foundation, 3)
+        self.linear = kron(bmat([[matrix, None], [None, stent]]), identity(3)) + sliding.T @ diags(held) @ sliding
+        self.load = np.concatenate([np.zeros(3 * self.first_stent), load.ravel()])
+
+    def _difference(self, part, less_vessel):
+        """Sparse matrix (3m, size) that gives `part` (m, 3, 3) of the stent's shifts, less the vessel's if wanted."""
+        count = len(self.stented)
+        ends = [(self.first_stent + 2 * np.arange(count), part, np.full(count, True))]
+        if less_vessel:
+            ends.append((2 * (self.stented - 1), -part, (self.stented > 0) & (self.stented < len(self.s) - 1)))
+        i, j = np.meshgrid(np.arange(3), np.arange(3), indexing="ij")
+        entries = []
+        for unknown, block, free in ends:
+            rows = 3 * np.arange(count)[:, None, None] + i
+            columns = 3 * unknown[:, None, None] + j
+            entries.append([v[free].ravel() for v in (block, rows, columns)])
+        values, rows, columns = np.concatenate(entries, axis=1)
+        return coo_matrix((values, (rows.astype(int), columns.astype(int))), (3 * count, self.size)).tocsr()
+
+    def offsets(self, x):
+        """Offsets (m, 3) in mm of the stent from the vessel's sections, across the axis."""
+        return (self.offset_matrix @ x).reshape(-1, 3)
+
+    def _laws(self, x):
+        """(offsets (m, 3), their size (m,), values of the laws there: 4 of (m,))."""
+        vector = self.offsets(x)
+        size = np.linalg.norm(vector, axis=1)
+        return vector, size, self.sections.law_values(self.s[self.stented], size)
+
+    def energy(self, x):
+        """The energy in N mm."""
+        stored = self._laws(x)[2][2]
+        return 0.5 * x @ (self.linear @ x) - self.load @ x + self.length @ stored
+
+    def newton_step(self, x):
+        """Change of x by which the gradient of the energy vanishes to first order."""
+        vector, size, (force, slope, _, _) = self._laws(x)
+        unit = vector / np.maximum(size, 1e-12)[:, None]
+        secant = np.where(size > 1e-9, force / np.maximum(size, 1e-9), slope)
+        along = np.einsum("si,sj->sij", unit, unit)
+        tangent = secant[:, None, None] * (np.eye(3) - along) + slope[:, None, None] * along
+        blocks = block_diag(list(self.length[:, None, None] * tangent), format="csr")
+        matrix = self.linear + self.offset_matrix.T @ blocks @ self.offset_matrix
+        gradient = self.linear @ x - self.load
+        gradient += self.offset_matrix.T @ ((self.length * force)[:, None] * unit).ravel()
+        return -spsolve(matrix.tocsc(), gradient)
+
+    def straightening(self, x):
+        """The Straightening of the unknowns x."""
+        offset, size, (force, _, _, lumen) = self._laws(x)
+        unit = offset / np.maximum(size, 1e-12)[:, None]
+        solved, shift = x.reshape(-1, 3), np.zeros((len(self.s), 3))
+        shift[1:-1] = solved[: self.first_stent : 2]
+        stent = solved[self.first_stent :: 2]
+        return Straightening(self.s, shift, self.stented, stent, offset, force[:, None] * unit, lumen[:, None] * unit)
 
 
 def _stent_beams(axis, stents, s_mm, stented):
@@ -167,27 +230,3 @@ def _lumped_lengths(s_mm, stents):
     middle = 0.5 * (s_mm[1:] + s_mm[:-1])
     stented = np.diff(s_mm) * np.any([one.covers(middle) for one in stents], axis=0)
     return 0.5 * (np.append(stented, 0) + np.append(0, stented))
-
-
-def _coupling_matrix(coupling, held, vessel_unknown, stent_unknown, size):
-    """Sparse matrix (size, size): `coupling` (m, 3, 3) between vessel and stent, `held` (m, 3, 3) of the stent alone.
-
-    vessel_unknown, stent_unknown (m,): numbers of the deflections that they couple; -1 for a node that is clamped.
-    """
-    rows, columns, values = [], [], []
-    inner = vessel_unknown >= 0
-    blocks = [(stent_unknown, stent_unknown, coupling + held)]
-    blocks += [
-        (a[inner], b[inner], sign * coupling[inner])
-        for a, b, sign in (
-            (vessel_unknown, vessel_unknown, 1),
-            (vessel_unknown, stent_unknown, -1),
-            (stent_unknown, vessel_unknown, -1),
-        )
-    ]
-    for row, column, block in blocks:
-        i, j = np.meshgrid(np.arange(3), np.arange(3), indexing="ij")
-        rows.append((3 * row[:, None, None] + i).ravel())
-        columns.append((3 * column[:, None, None] + j).ravel())
-        values.append(block.ravel())
-    return coo_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (size, size)).tocsc()
