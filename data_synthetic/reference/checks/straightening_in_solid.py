@@ -16,7 +16,7 @@ from ..slices import slices
 from ..slices.lumen import solve_lumen
 from ..straightening import beams
 from ..tube.straightened import StraightenedTube
-from .against_solid import parse_mesh
+from .against_solid import parse_mesh, slice_areas
 
 KNOT_SPACING_MM = 2.0  # shifts are smoothed by cubic splines with knots at this spacing
 STENT_END_MM = 1.0  # this stretch at each end of the stent is left out of the mean curvature
@@ -39,8 +39,8 @@ def mean_curvature(axis, s_mm, shift_mm, span_mm):
 def compare(scene_path, truth_path, out, meshes, settings_path=None):
     """Writes `out`/straightening_vs_3d.json: curvature along the stent before, by the beams and by solids.
 
-    There are two curvatures: that of the lumen's centres, and that of the stent. Areas of the lumen at the stent's two
-    ends show how the stent presses the wall outwards there; `before` is before the stent straightens the vessel.
+    There are two curvatures: that of the lumen's centres, and that of the stent. Areas of the lumen along the
+    stent and at its two ends show how the stent presses the wall aside; `before` is before it straightens the vessel.
 
     meshes: meshes of the solid as texts for `against_solid.parse_mesh`, coarse to fine. Returns the document. Raises
     InputError, ComputationError.
@@ -56,8 +56,10 @@ def compare(scene_path, truth_path, out, meshes, settings_path=None):
         tube.run()
         span, s = tube.stented_span, tube.tube.station_s_mm
         inside = np.flatnonzero((s > span[0] - 1e-6) & (s < span[1] + 1e-6))
-        held = tube.area_profile()[1][inside[[0, -1]]]
+        along = np.linspace(*span, 201)
+        before = np.interp(along, s, tube.area_profile()[1])
         shift, stent_shift = tube.straighten()
+        area = np.interp(along, s, tube.area_profile()[1])
         solids.append(
             {
                 "mesh": text,
@@ -66,8 +68,8 @@ def compare(scene_path, truth_path, out, meshes, settings_path=None):
                 "curvature_per_mm": mean_curvature(axis, s, shift, span),
                 "stent_curvature_per_mm": mean_curvature(axis, s[inside], stent_shift, span),
                 "largest_shift_mm": float(np.linalg.norm(shift, axis=1).max()),
-                "end_areas_before_mm2": held.tolist(),
-                "end_areas_mm2": tube.area_profile()[1][inside[[0, -1]]].tolist(),
+                "areas_before_mm2": _stent_areas(before),
+                "areas_mm2": _stent_areas(area),
                 "s_mm": s.round(6).tolist(),
                 "shift_mm": shift.round(6).tolist(),
             }
@@ -88,7 +90,7 @@ def compare(scene_path, truth_path, out, meshes, settings_path=None):
             "curvature_per_mm": mean_curvature(axis, bent.s_mm, bent.lumen_shift(), span),
             "stent_curvature_per_mm": mean_curvature(axis, bent.s_mm[bent.stented], bent.stent_mm, span),
             "largest_shift_mm": float(np.linalg.norm(bent.lumen_shift(), axis=1).max()),
-            "end_areas_mm2": [r["area_mm2"] for r in _ends(solved.records)],
+            "areas_mm2": _stent_areas(slice_areas(solved.field, patient.branch, along)),
         },
         "solids": solids,
     }
@@ -98,7 +100,6 @@ def compare(scene_path, truth_path, out, meshes, settings_path=None):
     return document
 
 
-def _ends(records):
-    """The first and the last of the records of slices with a stent."""
-    stented = sorted((r for r in records if r["stented"]), key=lambda r: r["s_mm"])
-    return stented[0], stented[-1]
+def _stent_areas(area_mm2):
+    """{mean and ends} of the lumen's areas (n,) along the stent."""
+    return {"mean": float(area_mm2.mean()), "ends": area_mm2[[0, -1]].tolist()}
