@@ -30,7 +30,7 @@ def _parser():
         "reference-3d", help="how far the slices are from a solid in three dimensions (minutes)"
     )
     bent = commands.add_parser(
-        "straightening-3d", help="how far the straightening beam is from a solid in three dimensions (minutes)"
+        "straightening-3d", help="how far the straightening by beams is from a solid in three dimensions (minutes)"
     )
     mesh_help = "elements round x through the wall x length in mm, coarse to fine"
     for command, document, meshes in (
