@@ -9,6 +9,7 @@ from reports.selection.patients import LOW_FFR_AFTER
 
 FOLDED_WALL = "the wall is folded: "  # how this warning of the engine begins (vci/results/readouts.cpp)
 MOST_NAMED = 5  # cases that a warning names; the others are counted
+MOST_STATES = 2  # states of a case that a warning names; if there are more, all are counted
 
 
 def warning_groups(contexts):
@@ -18,7 +19,7 @@ def warning_groups(contexts):
     """
     kinds = {
         "FFR not known to be within the flow's tolerance": tolerance_detail,
-        "flow with artificial viscosity": lambda context: ", ".join(SHORT_LABELS[one] for one in context["modified"]),
+        "flow with artificial viscosity": viscosity_detail,
         "wall folded by the deployment": folded_detail,
         f"expansion index below {LEAST_EXPANSION:g}": expansion_detail,
         f"malapposition beyond {LARGEST_MALAPPOSITION_MM:g} mm": malapposition_detail,
@@ -44,10 +45,23 @@ def no_warning_text():
 
 
 def tolerance_detail(context):
-    """The states of a case whose FFR is not known to be within the tolerance, with its error; empty if none is."""
+    """The states of a case whose FFR is not known to be within the tolerance, with its error; empty if none is.
+
+    More than MOST_STATES are counted, with the largest error that is known.
+    """
     errors = {state: row["error"] for state, row in context["flow"].items() if not row["solution"].get("tolerance_met")}
+    if len(errors) > MOST_STATES:
+        known = [error for error in errors.values() if error is not None]
+        largest = f"at most ± {significant(max(known))}" if known else "error unknown"
+        return f"{len(errors)} states, {largest}{' where known' if known and len(known) < len(errors) else ''}"
     texts = {state: "unknown" if error is None else significant(error) for state, error in errors.items()}
     return ", ".join(f"{SHORT_LABELS[state]} ± {text}" for state, text in texts.items())
+
+
+def viscosity_detail(context):
+    """The states of a case whose flow keeps artificial viscosity; more than MOST_STATES are counted."""
+    states = context["modified"]
+    return f"{len(states)} states" if len(states) > MOST_STATES else ", ".join(SHORT_LABELS[one] for one in states)
 
 
 def folded_detail(context):

@@ -5,6 +5,7 @@ import re
 import pytest
 
 from reports.measuring.device_readouts import LARGEST_MALAPPOSITION_MM, LEAST_EXPANSION
+from reports.page.verdict import warnings
 from reports.page.verdict.lines import verdict
 from reports.page.verdict.warnings import MOST_NAMED
 from reports.study.agreement import agreement_table
@@ -237,9 +238,7 @@ def test_what_puts_a_result_in_doubt_is_named_with_its_patients():
     line = lines_of(low, edge)["Warnings"]
     found = {one["what"]: {case["name"]: case["detail"] for case in one["cases"]} for one in line["warnings"]}
     assert line["text"] == "" and found == {
-        "FFR not known to be within the flow's tolerance": {
-            "low": "before ± unknown, VCI ± 0.0010, radius correction ± 0.0010, reference ± 0.0010"
-        },
+        "FFR not known to be within the flow's tolerance": {"low": "4 states, at most ± 0.0010 where known"},
         "flow with artificial viscosity": {"low": "before"},
         "wall folded by the deployment": {"low": "7 pairs of its triangles cross"},
         "expansion index below 0.6": {"low": "0.57"},
@@ -247,6 +246,21 @@ def test_what_puts_a_result_in_doubt_is_named_with_its_patients():
         "wall stretched beyond 1.5 at a stent's edge": {"low": "1.61"},
         "FFR after PCI below 0.90": {"low": "VCI 0.82, reference 0.93"},
     }
+
+
+def test_few_states_are_named_and_many_are_counted():
+    case = with_truth("c", 1, tolerance_met=False, modified=["pre", "vci"])
+    case["flow"] = {state: case["flow"][state] for state in ("pre", "vci")}
+    case["flow"]["pre"]["error"] = None
+    assert warnings.tolerance_detail(case) == "before ± unknown, VCI ± 0.0010"
+    assert warnings.viscosity_detail(case) == "before, VCI"
+    case["modified"].append("rc")
+    assert warnings.viscosity_detail(case) == "3 states"
+    many = with_truth("m", 1, tolerance_met=False)
+    assert warnings.tolerance_detail(many) == "4 states, at most ± 0.0010"
+    for row in many["flow"].values():
+        row["error"] = None
+    assert warnings.tolerance_detail(many) == "4 states, error unknown"
 
 
 def test_a_low_ffr_after_pci_counts_too_where_the_prediction_missed_it():
