@@ -69,7 +69,8 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
         pressed = bent.in_section(branch.axis, s_mm) if stented else None
         return slices.solve_slice(models[refinement], patient, steps, s_mm, changed, stented, pressed)[1]["area_mm2"]
 
-    error = error_estimate.estimate(solved.records, settings, slice_area)
+    spans = slices.stented_spans(steps)
+    error = error_estimate.estimate(solved.records, spans, settings, slice_area)
     document = {
         "schema": "vci-reference-1",
         "case": scene.get("case"),
@@ -81,7 +82,7 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
         "steps": [{"name": s.name, "action": s.action, **vars(s.balloon)} for s in steps],
         "stents": [vars(stent) for stent in stents],
         "slices": sorted(solved.records, key=lambda r: (r["s_mm"], r["stented"])),
-        "recoil_percent": _mean_recoil_percent(solved.records, slices.stented_spans(steps)),
+        "recoil_percent": _mean_recoil_percent(solved.records, spans),
         "minimal_lumen_area_in_stent_mm2": min((r["area_mm2"] for r in solved.records if r["stented"]), default=None),
         "largest_straightening_mm": float(np.linalg.norm(bent.lumen_shift(), axis=1).max()),
         "largest_stent_offset_mm": float(np.linalg.norm(bent.offset_mm, axis=1).max(initial=0)),

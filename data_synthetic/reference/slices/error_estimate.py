@@ -7,18 +7,20 @@ from scipy.interpolate import PchipInterpolator
 
 from ..surface import deformation
 
-FEWEST_FOR_SPACING = 5  # stented slices that the estimate by spacing needs
+FEWEST_FOR_SPACING = 5  # slices of a stented span that the estimate by spacing needs
+SPAN_MARGIN_MM = 1e-3  # the records round the slices' places
 
 
-def estimate(records, settings, slice_area):
+def estimate(records, spans, settings, slice_area):
     """The document `error_estimate` of reference.json; all errors in per cent of a slice's area.
 
-    records: the solved slices. slice_area(refinement, settings, s_mm, stented): function that solves a slice again with
-    `refinement` times the elements, and returns its area in mm2.
+    records: the solved slices. spans: [(start, end)] in mm of the stented spans. slice_area(refinement, settings, s_mm,
+    stented): function that solves a slice again with `refinement` times the elements, and returns its area in mm2.
 
     In the document, `slices` lists the slices that were solved again. step_percent is the change of a slice's area from
     half the load step to the full one. mesh_percent is the change from twice the elements to the usual number, both at
-    half the load step. The error by spacing is the change of the area if a slice is left out (`leave_one_out_change`).
+    half the load step. The error by spacing is the change of the area if a slice is left out (`leave_one_out_change`),
+    span by span.
     """
     stented = sorted((r for r in records if r["stented"]), key=lambda r: r["s_mm"])
     pool = stented or sorted(records, key=lambda r: r["s_mm"])
@@ -30,9 +32,14 @@ def estimate(records, settings, slice_area):
     for name in ("mesh", "step", "mesh_and_step"):
         if result["slices"]:
             result[f"{name}_area_percent"] = max(abs(entry[f"{name}_percent"]) for entry in result["slices"])
-    if len(stented) >= FEWEST_FOR_SPACING:
-        s, area = (np.array([r[key] for r in stented]) for key in ("s_mm", "area_mm2"))
-        error = leave_one_out_change(s, area, settings["edge_decay_mm"])
+    by_span = []
+    for start, end in spans:
+        inside = [r for r in stented if start - SPAN_MARGIN_MM <= r["s_mm"] <= end + SPAN_MARGIN_MM]
+        if len(inside) >= FEWEST_FOR_SPACING:
+            s, area = (np.array([r[key] for r in inside]) for key in ("s_mm", "area_mm2"))
+            by_span.append(leave_one_out_change(s, area, settings["edge_decay_mm"]))
+    if by_span:
+        error = np.concatenate(by_span)
         result["spacing_area_percent"] = {"mean": float(error.mean()), "largest": float(error.max())}
         result["spacing_note"] = "largest change of the area anywhere by leaving out a slice: an upper estimate"
     return result

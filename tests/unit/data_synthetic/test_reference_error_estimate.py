@@ -9,6 +9,7 @@ from data_synthetic.reference.slices import error_estimate, lumen
 
 STEP, MESH = 0.02, 0.08  # relative errors of the area: per mm of load step, at mesh refinement 1
 SETTINGS = {"radius_step_mm": 0.2, "check_slices": 3, "edge_decay_mm": 0.0}
+SPAN = [(0.0, 6.0)]
 
 
 def area(s_mm):
@@ -30,7 +31,7 @@ def records(count):
 
 
 def test_mesh_and_step_are_told_apart():
-    found = error_estimate.estimate(records(13), SETTINGS, measured)
+    found = error_estimate.estimate(records(13), SPAN, SETTINGS, measured)
     assert len(found["slices"]) == 3 and found["slices"][0]["s_mm"] == 1.0, "the tightest first"
     assert found["step_area_percent"] == pytest.approx(100 * (1.004 / 1.002 - 1))
     assert found["mesh_area_percent"] == pytest.approx(100 * (1.08 / 1.04 - 1))
@@ -38,7 +39,9 @@ def test_mesh_and_step_are_told_apart():
 
 
 def test_spacing_is_the_curvature_of_the_area():
-    coarse, fine = (error_estimate.estimate(records(n), SETTINGS, measured)["spacing_area_percent"] for n in (31, 61))
+    coarse, fine = (
+        error_estimate.estimate(records(n), SPAN, SETTINGS, measured)["spacing_area_percent"] for n in (31, 61)
+    )
     # The slice at an extremum is left out. The cubic through its neighbours, h away, is flat there: it misses the area
     # of 7 by h^2 / 2 |A''|, and |A''| is 1.
     for found, h in ((coarse, 0.2), (fine, 0.1)):
@@ -49,13 +52,26 @@ def test_spacing_is_the_curvature_of_the_area():
     )  # 4 by second order; the extremum's place between slices changes it
 
 
+def test_two_stents_are_looked_at_one_by_one():
+    """Between two stents the area jumps. That is no error by the spacing within either."""
+    first = records(31)
+    second = [dict(one, s_mm=one["s_mm"] + 20, area_mm2=2 * one["area_mm2"]) for one in first]
+    spans = [*SPAN, (20.0, 26.0)]
+    both, alone = (
+        error_estimate.estimate(found, spans, SETTINGS, lambda *_: 1.0)["spacing_area_percent"]
+        for found in (first + second, first)
+    )
+    assert both["largest"] == pytest.approx(alone["largest"], rel=1e-6)
+    assert both["mean"] == pytest.approx(alone["mean"], rel=1e-6)
+
+
 def test_a_straight_line_is_not_missed():
     s = np.array([0.0, 0.7, 1.0, 2.5, 3.0])
     assert error_estimate.leave_one_out_change(s, np.pi * (3 + 2 * s) ** 2, 0.6) == pytest.approx(0, abs=1e-9)
 
 
 def test_no_check_asked_for():
-    found = error_estimate.estimate(records(4), dict(SETTINGS, check_slices=0), measured)
+    found = error_estimate.estimate(records(4), SPAN, dict(SETTINGS, check_slices=0), measured)
     assert found == {"slices": []}
 
 
