@@ -135,6 +135,19 @@ def test_two_stents_apart_act_on_one_vessel():
     assert np.abs(both.vessel_mm[:, 1] - right).max() < 4e-3 * np.abs(right).max()
 
 
+@pytest.mark.parametrize(
+    "spans", [[(0, 18)], [(225, 245)], [(110, 122), (118, 130)], [(110, 120), (120, 130)], [(119.5, 120.5)]]
+)
+def test_unusual_places_of_stents(spans):
+    """At the vessel's start, beyond its end, overlapping, touching, very short: the forces on the stents balance."""
+    stents = [devices.Stent("stent", *span, 0.955, 0.22, DEVICE, 1.5, 0.5) for span in spans]
+    found = stent_in_vessel.straighten(Arc(), stents, sections(VESSEL, 2.0, *HARDENING), FOUNDATION)
+    force = found.force_n_per_mm[:, 1]
+    x = found.s_mm[found.stented]
+    assert np.trapz(np.abs(force), x) > 0
+    assert np.trapz(force, x) == pytest.approx(0, abs=1e-3 * np.trapz(np.abs(force), x))
+
+
 def test_without_a_stent_nothing_moves():
     none = stent_in_vessel.straighten(Arc(), [], LINEAR, FOUNDATION)
     assert np.all(none.vessel_mm == 0) and len(none.stent_mm) == 0 and np.all(none.lumen_shift() == 0)
