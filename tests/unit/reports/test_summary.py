@@ -127,8 +127,8 @@ def test_warnings_name_their_patients_and_link_them():
     assert "Malapposition beyond 0.4 mm: <a" in text and "FFR after PCI below 0.90: <a" in text
     assert (
         "a&lt;b</a> (0.46 mm), <a" in text
-        and "c</a> (0.5 mm) and 3 more; FFR" in text
-        and "c</a> (0.5 mm). </li>" in text
+        and "c</a> (0.5 mm) and 3 more.</li>" in text
+        and "c</a> (0.5 mm).</li>" in text
     )
 
 
