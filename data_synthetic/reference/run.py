@@ -66,7 +66,7 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
     def slice_area(refinement, changed, s_mm, stented):
         if refinement not in models:
             models[refinement] = slices.slice_model(changed, refinement)
-        pressed = bent.in_section(branch.axis, s_mm) if stented else None
+        pressed = bent.pressed_at(branch.axis, s_mm) if stented else None
         return slices.solve_slice(models[refinement], patient, steps, s_mm, changed, stented, pressed)[1]["area_mm2"]
 
     spans = slices.stented_spans(steps)
@@ -85,7 +85,7 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
         "recoil_percent": _mean_recoil_percent(solved.records, spans),
         "minimal_lumen_area_in_stent_mm2": min((r["area_mm2"] for r in solved.records if r["stented"]), default=None),
         "largest_straightening_mm": float(np.linalg.norm(bent.lumen_shift(), axis=1).max()),
-        "largest_stent_offset_mm": float(np.linalg.norm(bent.offset_mm, axis=1).max(initial=0)),
+        "largest_stent_offset_mm": float(np.linalg.norm(bent.offset_mm[bent.stented], axis=1).max(initial=0)),
         "error_estimate": error,
     }
     out = pathlib.Path(out)

@@ -86,6 +86,13 @@ def _area_rows(patient, steps, stents, settings):
     return rows
 
 
+def stiffer_law(law, factor):
+    """The SidewaysLaw whose force and wall's bending are those of `law`, multiplied by a factor."""
+    return dataclasses.replace(
+        law, force_n_per_mm=factor * law.force_n_per_mm, wall_bending_n_mm2=factor * law.wall_bending_n_mm2
+    )
+
+
 def _curvature_rows(patient, steps, stents, settings):
     axis, span, name = patient.branch.axis, stented_span(stents), "curvature_per_mm"
     solved = solve_lumen(slices.slice_model(settings), patient, steps, settings)
@@ -98,9 +105,7 @@ def _curvature_rows(patient, steps, stents, settings):
             sections,
             bending_n_mm2=vessel * sections.bending_n_mm2,
             shear_n=vessel * sections.shear_n,
-            laws=[
-                (s, dataclasses.replace(law, force_n_per_mm=contact * law.force_n_per_mm)) for s, law in sections.laws
-            ],
+            laws=[(s, stiffer_law(law, contact)) for s, law in sections.laws],
         )
         stiffer = [dataclasses.replace(one, bending_n_mm2=stent * one.bending_n_mm2) for one in stents]
         bent = straighten(axis, stiffer, changed, support * foundation)

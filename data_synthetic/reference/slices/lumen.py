@@ -31,12 +31,14 @@ class SolvedLumen:
 class _TreatedSlices:
     """Evenly spaced slices after the procedure, and what they say of the vessel as a beam.
 
-    unstented: {s_mm: displacement of the lumen}. stented: {s_mm: (state of the model, record)}. records: those of the
-    slices without a stent. stiffness: {s_mm: (E I, shear stiffness)}. laws: [(s_mm, SidewaysLaw)].
+    unstented, opened: {s_mm: displacement of the lumen}, of the slices without a stent and with it. stented: {s_mm:
+    (state of the model, record)}. records: those of the slices without a stent. stiffness: {s_mm: (E I, shear
+    stiffness)}. laws: [(s_mm, SidewaysLaw)].
     """
 
     def __init__(self, model, patient, steps, settings, unstented_s, stented_s):
-        self.unstented, self.stented, self.records, self.stiffness, self.laws = {}, {}, [], {}, []
+        self.unstented, self.opened, self.stented = {}, {}, {}
+        self.records, self.stiffness, self.laws = [], {}, []
         print(f"{len(unstented_s)} slices on {patient.branch.name}, {len(stented_s)} stented", file=sys.stderr)
         for s in map(float, unstented_s):
             self.unstented[s], record = slices.solve_slice(model, patient, steps, s, settings, False)
@@ -44,7 +46,7 @@ class _TreatedSlices:
             self.stiffness[s] = model.beam_stiffness()
             print_progress(record)
         for s in map(float, stented_s):
-            _, record = slices.solve_slice(model, patient, steps, s, settings, True)
+            self.opened[s], record = slices.solve_slice(model, patient, steps, s, settings, True)
             self.stented[s] = model.state(), record
             self.stiffness[s] = model.beam_stiffness()
             print_progress(record)
@@ -78,7 +80,7 @@ def solve_lumen(model, patient, steps, settings):
     straightening = stent_in_vessel.straighten(axis, stents, sections, foundation)
 
     def pressed_slice(s):
-        pressed = straightening.in_section(axis, s)
+        pressed = straightening.pressed_at(axis, s)
         if s in treated.stented:
             state, record = treated.stented[s]
             patient.place(model, s)
@@ -90,16 +92,22 @@ def solve_lumen(model, patient, steps, settings):
         records.append(record)
         return moved, record["area_mm2"]
 
+    theta, decay = model.annulus.theta_rad, settings["edge_decay_mm"]
+
     def span_field(positions):
         found = refined(positions, pressed_slice, settings)
         moved = np.array([moved for moved, _ in found.values()])
-        return deformation.SpanField(list(found), model.annulus.theta_rad, moved, settings["edge_decay_mm"])
+        return deformation.SpanField(list(found), theta, moved, decay)
 
-    unstented = deformation.SpanField(
-        unstented_s, model.annulus.theta_rad, np.array([treated.unstented[s] for s in map(float, unstented_s)])
-    )
+    def field_of(displacements):
+        return deformation.SpanField(list(displacements), theta, np.array(list(displacements.values())))
+
     field = deformation.LumenDeformation(
-        unstented, [span_field(positions) for _, _, positions in spans], settings["edge_decay_mm"]
+        field_of({s: treated.unstented[s] for s in map(float, unstented_s)}),
+        [span_field(positions) for _, _, positions in spans],
+        decay,
+        [field_of({s: treated.opened[s] for s in map(float, positions[[0, -1]])}) for _, _, positions in spans],
+        lambda s_mm: straightening.in_section(axis, s_mm)[0],
     )
     return SolvedLumen(field, records, straightening, sections, foundation)
 

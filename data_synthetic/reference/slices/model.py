@@ -11,6 +11,7 @@ from ..solid import laws
 from ..solid.load_stepping import LoadSteppedModel
 from ..straightening import beams
 from .mesh import LUMEN, OUTSIDE, Annulus
+from .wall_bending import WallBending
 
 SUPPORT_SHIFT = ("support_shift_a", "support_shift_b")  # shift of the tissue around, in mm along x and y
 
@@ -71,11 +72,13 @@ class SliceModel(LoadSteppedModel):
         )
         self._set_up_solver(residual)
         self._area = fenicsx.form(-0.5 * ufl.inner(at, area_normal) * ds(LUMEN))
+        self._wall_area = fenicsx.form(ufl.det(f) * full)
         self._lumen = self._lumen_dofs()
         self._outside = [fenicsx.form(part * ds(OUTSIDE)) for part in (fem.Constant(mesh, 1.0), self.u[0], self.u[1])]
         first = ufl.tr(laws.isochoric_left_cauchy_green(f)) - 3
         modulus = ufl.det(f) * (share * shear + (1 - share) * 2 * (c10 + 2 * c20 * first))
         self._shear_moments = [fenicsx.form(modulus * w * full) for w in (1.0, at[0], at[1], ufl.inner(at, at))]
+        self._wall_bending = WallBending(mesh, self.u, modulus, ufl.inv(ufl.Identity(2) + g), full)
 
     def _lumen_dofs(self):
         """Numbers of the lumen's nodes in the displacement space, in the order of annulus.theta_rad."""
@@ -144,8 +147,24 @@ class SliceModel(LoadSteppedModel):
 
         E = 3 G, with the plaque's elastic G, since a bent vessel strains across the direction in which plaque yields.
         The wall's G is that of its Yeoh law at its present first invariant. E I is the mean over all directions of
-        bending. THIN_TUBE_SHEAR of the section bears shear.
+        bending. A part of the section bears shear, as in a tube with the same areas inside and of the wall.
         """
         stiffness, a, b, polar = (fem.assemble_scalar(form) for form in self._shear_moments)
         bending = 1.5 * (polar - (a**2 + b**2) / stiffness)
-        return bending, beams.THIN_TUBE_SHEAR * stiffness
+        inside = self.lumen_area()
+        return bending, beams.shear_share(inside / (inside + fem.assemble_scalar(self._wall_area))) * stiffness
+
+    def displacement(self):
+        """The displacement in mm of the whole section."""
+        return self.u.x.array.copy()
+
+    def wall_bending(self, change, outside_shift_mm):
+        """(following, stiffness in N mm2) as `WallBending` gives them for the section as it is now.
+
+        change: of `displacement()`, by which the outside moved by outside_shift_mm (2,) on average and the stent not at
+        all. This is an offset of the stent by -outside_shift_mm, seen from the outside.
+        """
+        size = np.linalg.norm(outside_shift_mm)
+        shape = (change.reshape(-1, 2) - outside_shift_mm) / size
+        self._wall_bending.shape.x.array[:] = shape.ravel()
+        return self._wall_bending.measure(-outside_shift_mm / size)

@@ -26,7 +26,8 @@ def sideways_law(model, direction, where):
     """SidewaysLaw of the slice that `model` has solved, the mean of both senses of `direction` (2,).
 
     The stent stays and the tissue around is shifted. This is the same as a shift of the stent, seen from the vessel.
-    where: for messages. The slice is left as it was. Raises ComputationError.
+    The bending of the wall along the vessel is that of the shape at the first shift. where: for messages. The slice is
+    left as it was. Raises ComputationError.
     """
     rest, outside, lumen, support = (
         model.state(),
@@ -34,7 +35,8 @@ def sideways_law(model, direction, where):
         model.lumen_centre(),
         model.support_n_per_mm2(),
     )
-    measured = []
+    at_rest = model.displacement()
+    measured, bending = [], []
     for sense in (direction, -direction):
         model.restore(rest)
         points = []
@@ -43,17 +45,20 @@ def sideways_law(model, direction, where):
                 _advance(model, shift * sense, where)
             except ComputationError:
                 break  # the wall folds; the law goes on as a line
+            if not points:
+                first = model.displacement() - at_rest, model.outside_shift() - outside
             moved = (model.outside_shift() - outside) @ sense
             points.append((moved, support * (shift - moved), moved - (model.lumen_centre() - lumen) @ sense))
         if not points:
             raise ComputationError(
                 "the section cannot be pressed sideways", where, f"{SUPPORT_SHIFTS_MM[0]} mm", model.remedy
             )
+        model.restore(rest)
         measured.append(points)
-    model.restore(rest)
+        bending.append(model.wall_bending(*first))
     count = min(map(len, measured))
     mean = np.mean([points[:count] for points in measured], axis=0)
-    return SidewaysLaw(*np.concatenate([np.zeros((1, 3)), mean]).T)
+    return SidewaysLaw(*np.concatenate([np.zeros((1, 3)), mean]).T, *np.mean(bending, axis=0))
 
 
 def press(model, offset_mm, force_n_per_mm, where):

@@ -5,7 +5,16 @@ from scipy.sparse import coo_matrix
 
 LARGEST_ELEMENT_MM = 0.25
 TANGENT_STEP_MM = 1e-3  # half the step of the central difference that gives the curvature from tangents
-THIN_TUBE_SHEAR = 0.5  # share of a thin tube's section that bears shear (Cowper, J Appl Mech 33 (1966) 335)
+
+
+def shear_share(inner_outer_area):
+    """Share of a tube's section that bears shear: 6/11 if it is thin, 0.9 if it is full.
+
+    inner_outer_area: area inside the tube over that inside its outside. Poisson's ratio is 0.5 (Cowper, J Appl Mech 33
+    (1966) 335, hollow circle).
+    """
+    both = (1 + inner_outer_area) ** 2
+    return 9 * both / (10 * both + 26 * inner_outer_area)
 
 
 def healthy_stiffness(branch, wall_mm, middle_s_mm, settings):
@@ -17,7 +26,7 @@ def healthy_stiffness(branch, wall_mm, middle_s_mm, settings):
     inner = float(branch.healthy_radius(np.array(middle_s_mm)))
     outer, c10 = inner + wall_mm, settings["wall_c10_mpa"]
     bending = 6 * c10 * np.pi / 4 * (outer**4 - inner**4)
-    return bending, THIN_TUBE_SHEAR * 2 * c10 * np.pi * (outer**2 - inner**2)
+    return bending, shear_share((inner / outer) ** 2) * 2 * c10 * np.pi * (outer**2 - inner**2)
 
 
 def foundation_n_per_mm2(branch, wall_mm, middle_s_mm, settings):

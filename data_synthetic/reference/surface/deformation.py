@@ -65,12 +65,20 @@ class LumenDeformation:
     """Displacement of the lumen: by slices with the stent inside the stented spans, and without it elsewhere.
 
     unstented: SpanField of the slices without the stent. stented: list of SpanField, one for each stented span. At the
-    end of a span the two fields differ. Outside the span this jump decays with the distance x from the end, like the
-    deflection of a clamped cylindrical shell (Timoshenko): exp(-x/l) (cos x/l + sin x/l), where l is edge_decay_mm.
+    end of a span the two fields differ. This jump has two parts:
+
+    - that of the stent's opening. Outside the span it decays with the distance x from the end, like the deflection of a
+      clamped cylindrical shell (Timoshenko): exp(-x/l) (cos x/l + sin x/l), where l is edge_decay_mm;
+    - that of the stent's offset from the section, which presses the wall aside. It follows offset(s_mm), a function
+      that gives the offset (k, 2) in mm at arc lengths (k,), along the section's normal and binormal.
+
+    opened: list of SpanField, one for each stented span, that hold at its ends: the first part alone. None: there is no
+    second part.
     """
 
-    def __init__(self, unstented, stented, edge_decay_mm):
+    def __init__(self, unstented, stented, edge_decay_mm, opened=None, offset=None):
         self._unstented, self._stented, self._decay = unstented, stented, edge_decay_mm
+        self._opened, self._offset = opened or stented, offset
 
     def in_plane(self, s_mm, theta_rad):
         """Displacement (k, 2) in mm of the lumen at (s, theta), each (k,), along the section's normal and binormal."""
@@ -79,16 +87,26 @@ class LumenDeformation:
         for span in self._stented:
             covered = (s_mm >= span.first) & (s_mm <= span.last)
             total = np.where(covered[:, None], span.displacement_at(s_mm, theta_rad), total)
-        for span in self._stented:
+        for span, opened in zip(self._stented, self._opened):
             for end, outward in ((span.first, -1), (span.last, 1)):
                 x = outward * (s_mm - end) / self._decay
-                near = (x > 0) & (x < 12) & ~self._is_stented(s_mm)
-                jump = span.displacement_at(np.full_like(s_mm, end), theta_rad) - self._unstented.displacement_at(
-                    np.full_like(s_mm, end), theta_rad
-                )
-                fade = np.exp(-np.abs(x)) * (np.cos(x) + np.sin(np.abs(x)))
-                total = total + np.where(near, fade, 0.0)[:, None] * jump
+                beyond = (x > 0) & ~self._is_stented(s_mm)
+                at_end, fade = np.full_like(s_mm, end), np.exp(-np.abs(x)) * (np.cos(x) + np.sin(np.abs(x)))
+                here = opened.displacement_at(at_end, theta_rad)
+                jump = fade[:, None] * (here - self._unstented.displacement_at(at_end, theta_rad))
+                if opened is not span:
+                    aside = span.displacement_at(at_end, theta_rad) - here
+                    jump += self._offset_share(s_mm, end, outward)[:, None] * aside
+                total = total + np.where(beyond[:, None], jump, 0.0)
         return total
+
+    def _offset_share(self, s_mm, end, outward):
+        """Offset (k,) beyond a span's end, as a share of that at the end; 0 from where the next span is nearer."""
+        at_end = self._offset(np.array([end]))[0]
+        share = self._offset(s_mm) @ at_end / max(at_end @ at_end, 1e-12)
+        ends = [b for a in self._stented for b in (a.first, a.last) if outward * (b - end) > 0]
+        middle = 0.5 * (end + min(ends, key=lambda b: abs(b - end))) if ends else outward * np.inf
+        return np.where(outward * (s_mm - middle) < 0, share, 0.0)
 
     def _is_stented(self, s_mm):
         return np.any([(s_mm >= span.first) & (s_mm <= span.last) for span in self._stented], axis=0)

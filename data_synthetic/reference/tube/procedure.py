@@ -43,15 +43,15 @@ class TreatedTube:
     """
 
     radial_support = False  # as TubeModel takes it
+    least_margin_mm = 0.0  # the solid reaches at least as far beyond the balloons, but not beyond the vessel
 
     def __init__(self, patient, steps, settings, mesh):
         around, through, element_mm = mesh
         self.branch, self.steps, self.settings = patient.branch, steps, settings
         self.wall_mm = patient.wall_mm
         axis = self.branch.axis
-        unstented_s, stented = slices.slice_positions(
-            axis.length_mm, steps, settings["slice_spacing_mm"], settings["margin_mm"]
-        )
+        margin = max(settings["margin_mm"], self.least_margin_mm)
+        unstented_s, stented = slices.slice_positions(axis.length_mm, steps, settings["slice_spacing_mm"], margin)
         if len(stented) != 1:
             raise InputError(
                 "the solid in three dimensions takes one stented stretch",
@@ -127,6 +127,13 @@ class TreatedTube:
         moved = (self.tube.points_mm + self.model.displacement())[nodes] - self.branch.axis.point(s)[:, None]
         frame = np.stack(self.branch.axis.frame(s), axis=1)
         return np.einsum("skj,smj->smk", frame, moved)
+
+    def lumen_centres(self):
+        """Centroids (stations, 3) in mm of the areas in the lumen's sections, in the frame of `lumen_positions`."""
+        moved = self.lumen_positions()
+        following = np.roll(moved, -1, axis=1)
+        twice = moved[..., 1] * following[..., 2] - following[..., 1] * moved[..., 2]
+        return ((moved + following) * twice[..., None]).sum(axis=1) / (3 * twice.sum(axis=1))[:, None]
 
     def _least_radius_mm(self):
         """Least distance (mm) of the lumen from the axis along the present balloon."""

@@ -23,6 +23,7 @@ class StraightenedTube(TreatedTube):
     """
 
     radial_support = True
+    least_margin_mm = 15.0  # three of the lengths over which a shift decays in the beam of a healthy vessel
 
     def straighten(self):
         """Lets the stent straighten the tube. First call `run`.
@@ -34,7 +35,7 @@ class StraightenedTube(TreatedTube):
         ones correct it by the forces of the tube. Raises ComputationError.
         """
         s = self.tube.station_s_mm
-        before = self.lumen_positions().mean(axis=1)
+        before = self.lumen_centres()
         inside = np.flatnonzero((s > self.stented_span[0] - 1e-6) & (s < self.stented_span[1] + 1e-6))
         stent, load = self._stent_beam(s[inside])
         vessel, foundation = self._vessel_beam(inside)
@@ -53,7 +54,7 @@ class StraightenedTube(TreatedTube):
             largest = np.linalg.norm(change, axis=1).max()
             print(f"stent: shift by {largest:.4f} mm, {self.model.iterations} iterations", file=sys.stderr)
             if largest < SHIFT_TOLERANCE_MM:
-                moved = self.lumen_positions().mean(axis=1) - before
+                moved = self.lumen_centres() - before
                 return np.einsum("skj,sk->sj", np.stack(self.branch.axis.frame(s), axis=1), moved), shift
             shift += change
             self.model.shift_devices(shift[np.clip(np.arange(len(s)) - inside[0], 0, len(inside) - 1)], "straightening")

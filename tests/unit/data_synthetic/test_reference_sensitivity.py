@@ -27,7 +27,7 @@ def table(branches, monkeypatch, tmp_path):
     monkeypatch.setattr(run, "read_patient_and_steps", lambda *_: (patient, steps))
     monkeypatch.setattr(slices, "slice_model", lambda settings: None)
     monkeypatch.setattr(slices, "solve_slice", solve)
-    law = stent_in_vessel.SidewaysLaw(*np.array([[0.0, 0.1], [0.0, 0.05], [0.0, 0.08]]))
+    law = stent_in_vessel.SidewaysLaw(*np.array([[0.0, 0.1], [0.0, 0.05], [0.0, 0.08]]), -0.1, 0.1)
     axis = branches[0].axis
     ends = np.array([0.0, axis.length_mm])
     sections = stent_in_vessel.VesselSections(ends, np.full(2, 8.0), np.full(2, 2.0), [(s, law) for s in ends])

@@ -83,7 +83,7 @@ def unopened(branch):
 
 def straightened(axis, stent_bending):
     """Straightening of a soft vessel along an axis by a stent between 8 and 22 mm."""
-    law = stent_in_vessel.SidewaysLaw(*np.array([[0.0, 0.1], [0.0, 0.05], [0.0, 0.08]]))
+    law = stent_in_vessel.SidewaysLaw(*np.array([[0.0, 0.1], [0.0, 0.05], [0.0, 0.08]]), -0.1, 0.1)
     ends = np.array([0.0, axis.length_mm])
     sections = stent_in_vessel.VesselSections(ends, np.full(2, 4.0), np.full(2, 2.0), [(s, law) for s in ends])
     stent = devices.Stent("stent", 8.0, 22.0, 0.955, 0.22, stent_bending, 1.5, 0.5)
@@ -104,7 +104,9 @@ def test_sections_turn_with_the_straightened_axis():
     new = Curve(bent.axis.point(axis_s) + shift)
     distance = np.linalg.norm(moved - new.point(new.nearest(moved)), axis=1)
     assert np.linalg.norm(shift, axis=1).max() > 0.2
-    assert distance == pytest.approx(np.full(len(distance), 1.5), rel=2e-3)
+    # At the stent's two ends the vessel's axis is bent within a part of the section's radius.
+    assert distance == pytest.approx(np.full(len(distance), 1.5), rel=7e-3)
+    assert np.mean(np.abs(distance - 1.5)) < 1e-3
 
 
 def test_a_side_branch_inside_a_bend_is_not_torn():
@@ -160,7 +162,7 @@ def test_stiff_stent_straightens_a_bend(branches):
         bent = np.gradient(axis.frame(s)[0], s, axis=0) + np.gradient(np.gradient(w, s, axis=0), s, axis=0)
         kept.append(np.linalg.norm(bent, axis=1)[2:-2].mean())
         assert np.all(found.vessel_mm[[0, -1]] == 0)
-        lumen = found.lumen_shift()[found.stented] - found.vessel_mm[found.stented]
+        lumen = found.lumen_shift() - found.vessel_mm
         assert lumen == pytest.approx(0.8 * found.offset_mm)
     assert kept[0] > kept[1] > kept[2]
 

@@ -87,14 +87,40 @@ def test_a_law_that_cannot_be_measured_is_an_error(monkeypatch):
         sideways.sideways_law(model, X, "here")
 
 
-def test_a_ring_at_rest_is_a_thin_tube():
-    """E I = 6 C10 pi/4 (R^4 - r^4), and half of 2 C10 A bears shear."""
+def test_a_ring_at_rest_is_a_tube():
+    """E I = 6 C10 pi/4 (R^4 - r^4), and Cowper's part of 2 C10 A bears shear."""
     model = SliceModel(24, 4, C10, C20, BULK, SUPPORT)
     full = np.full(48, 1.0)
     model.place(INNER * full, OUTER * full, lambda angle, _: np.zeros((4, len(angle))) + [[0.0], [1.0], [1.0], [1.0]])
     bending, shear = model.beam_stiffness()
     assert bending == pytest.approx(6 * C10 * np.pi / 4 * (OUTER**4 - INNER**4), rel=1e-3)
-    assert shear == pytest.approx(beams.THIN_TUBE_SHEAR * 2 * C10 * np.pi * (OUTER**2 - INNER**2), rel=1e-3)
+    assert shear == pytest.approx(
+        beams.shear_share((INNER / OUTER) ** 2) * 2 * C10 * np.pi * (OUTER**2 - INNER**2), rel=1e-3
+    )
+
+
+def test_a_section_that_moves_as_a_whole_turns_as_a_whole():
+    """The shape is 1 along x: fibres move by x, so the wall itself does not bend."""
+    model = held_tube()
+    following, stiffness = model.wall_bending(0 * model.displacement(), np.array([-1.0, 0.0]))
+    assert following == pytest.approx(1, rel=1e-6) and stiffness == pytest.approx(0, abs=1e-6)
+
+
+def test_an_oval_section_bends_its_wall():
+    """The shape (x, -y) is the gradient of psi = (x^2 - y^2) / 2, with 3 G integral psi^2 = 3 G pi/24 (R^6 - r^6)."""
+    model = SliceModel(24, 4, C10, C20, BULK, SUPPORT)
+    full = np.full(48, 1.0)
+    model.place(INNER * full, OUTER * full, lambda angle, _: np.zeros((4, len(angle))) + [[0.0], [1.0], [1.0], [1.0]])
+    x = model.u.function_space.tabulate_dof_coordinates()[:, :2]
+    shift = np.array([-1.0, 0.0])
+    following, stiffness = model.wall_bending((x * [1, -1] + shift).ravel(), shift)
+    assert following == pytest.approx(0, abs=1e-3)
+    assert stiffness == pytest.approx(3 * 2 * C10 * np.pi / 24 * (OUTER**6 - INNER**6), rel=2e-3)
+
+
+def test_cowper_s_shear_of_hollow_circles():
+    """6 (1 + n) / (7 + 6 n) of a full circle and (2 + 2 n) / (4 + 3 n) of a thin tube, with Poisson's ratio n = 0.5."""
+    assert beams.shear_share(0.0) == pytest.approx(0.9) and beams.shear_share(1.0) == pytest.approx(6 / 11)
 
 
 def test_plaque_on_one_side_bends_about_its_own_axis():

@@ -1,22 +1,28 @@
 """The beams of stent and vessel compared with a closed form: error and its order, and balance of forces.
 
-A vessel of uniform curvature c0 carries a straight stent of bending stiffness Es over |x| < a. Ev is the vessel's, k
-its foundation, and K the resistance of its sections to the stent. D is the derivative by x. For small displacements w
-of the stent and v of the vessel, Es D^4 w + K (w - v) = 0 and Ev D^4 v + k v - K (w - v) = 0 inside, and
-Ev D^4 v + k v = 0 outside. At its ends the stent has no moment, Es (c0 + D^2 w) = 0, and no shear force. There v and
-its first three derivatives are continuous. By symmetry six constants remain (Hetenyi, Beams on Elastic Foundation).
+A vessel of uniform curvature c0 carries a straight stent of bending stiffness Es over |x| < a. w and v are the small
+shifts of stent and vessel, d = w - v. E and G are the vessel's bending and shear stiffness, k its foundation, K the
+resistance of its sections to d, and C the stiffness of the wall that bends along the vessel. The vessel's beam has the
+shift W = f w + (1 - f) v and the rotation T. With D the derivative by x and Q = G (D W - T) the shear force,
+
+    Es D^4 w + C D^4 d - f D Q + K d = 0,   -C D^4 d - (1 - f) D Q + k v - K d = 0,   E D^2 T + Q = 0.
+
+Beyond the stent Es = 0. At its ends w, v, D d, T, D T, D^2 d and both shear forces, Es D^3 w + C D^3 d - f Q and
+-C D^3 d - (1 - f) Q, are continuous, and the stent has no moment: c0 + D^2 w = 0.
 """
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 from data_synthetic.reference.straightening import beams, stent_in_vessel
 from data_synthetic.reference.treatment import devices
 
 LENGTH, HALF, CURVATURE = 240.0, 9.0, 1e-3
 DEVICE, VESSEL, FOUNDATION, RESISTANCE = 20.0, 8.0, 0.04, 0.3
-STEPS = (1.5, 0.75, 0.375)
-RIGID = 1e7  # N: a vessel that does not shear
+FOLLOWING, WALL = -0.2, 0.5
+STEPS = (0.6, 0.3, 0.15)
+SHEAR = 2.0
 
 
 class Arc:
@@ -37,43 +43,71 @@ def stent(shift_mm=0.0):
 
 def sections(bending, shear, offset, force):
     """VesselSections of a uniform vessel whose law goes through the points (offset, force), each (k,)."""
-    law = stent_in_vessel.SidewaysLaw(np.array(offset), np.array(force), 0.5 * np.array(offset))
+    law = stent_in_vessel.SidewaysLaw(np.array(offset), np.array(force), 0.5 * np.array(offset), FOLLOWING, WALL)
     ends = np.array([0.0, LENGTH])
     return stent_in_vessel.VesselSections(ends, np.full(2, bending), np.full(2, shear), [(0.0, law), (LENGTH, law)])
 
 
-LINEAR = sections(VESSEL, RIGID, (0, 0.01), (0, 0.01 * RESISTANCE))
+LINEAR = sections(VESSEL, SHEAR, (0, 0.01), (0, 0.01 * RESISTANCE))
 
 
-def powers(rates):
-    """Function: derivatives 0 to 3 (4, number of rates) of exp(rate x) at a place x."""
-    return lambda x: np.array([rates**n * np.exp(rates * x) for n in range(4)])
+DIFFERENCE, BEAM = np.array([1.0, -1.0]), np.array([FOLLOWING, 1 - FOLLOWING])
+
+
+def modes(stent_bending):
+    """(rates r (k,), shapes (3, k)) of the solutions (w, v, T / r) = shape * exp(r x), those with Re r > 0."""
+    a = np.zeros((3, 3, 3))  # of the powers 0, 1, 2 of r^2
+    a[2, :2, :2] = np.diag([stent_bending, 0.0]) + WALL * np.outer(DIFFERENCE, DIFFERENCE)
+    a[1, :2, :2], a[1, :2, 2], a[1, 2, 2] = -SHEAR * np.outer(BEAM, BEAM), SHEAR * BEAM, -VESSEL
+    a[0, :2, :2] = RESISTANCE * np.outer(DIFFERENCE, DIFFERENCE) + np.diag([0.0, FOUNDATION])
+    a[0, 2, :2], a[0, 2, 2] = -SHEAR * BEAM, SHEAR
+    zero, one = np.zeros((3, 3)), np.eye(3)
+    squares, shapes = scipy.linalg.eig(np.block([[zero, one], [-a[0], -a[1]]]), np.block([[one, zero], [zero, a[2]]]))
+    finite = np.isfinite(squares) & (np.abs(squares) < 1e6)
+    rates = np.sqrt(squares[finite] + 0j)
+    return rates, shapes[:3, finite]
+
+
+def conditions(rates, shapes, stent_bending, x, mirrored):
+    """Rows (9, k) at x of what the stent's end asks for: 8 quantities that are continuous, then the stent's D^2 w.
+
+    The solutions are exp(r x); if mirrored, the even exp(r x) + exp(-r x).
+    """
+
+    def power(n):
+        return rates**n * (np.exp(rates * x) + mirrored * (-1) ** n * np.exp(-rates * x))
+
+    w, v, t = shapes
+    d, shear = w - v, SHEAR * (BEAM @ shapes[:2] - t) * power(1)
+    third = stent_bending * w * power(3) + WALL * d * power(3)
+    return np.array(
+        [w * power(0), v * power(0), d * power(1), t * power(1), t * power(2), d * power(2)]
+        + [third - FOLLOWING * shear, -WALL * d * power(3) - (1 - FOLLOWING) * shear, w * power(2)]
+    )
 
 
 def exact(x):
-    """Displacements in mm of (stent, vessel), each (n,), at distances x (n,) from the stent's middle."""
-    # (Es l^4 + K) (Ev l^4 + k + K) = K^2 for the rates l inside.
-    quartic = np.roots(
-        [DEVICE * VESSEL, DEVICE * (FOUNDATION + RESISTANCE) + VESSEL * RESISTANCE, RESISTANCE * FOUNDATION]
-    )
-    first = np.array([(v + 0j) ** 0.25 for v in quartic])
-    rates = np.concatenate([first * 1j**n for n in range(4)])
-    share = (DEVICE * rates**4 + RESISTANCE) / RESISTANCE  # v / w
-    inside, outside = powers(rates), powers((FOUNDATION / (4 * VESSEL)) ** 0.25 * np.array([-1 + 1j, -1 - 1j]))
-    # Unknowns: 8 constants inside and 2 outside. A rate and its negative have the same constant.
-    end, beyond = inside(HALF), outside(HALF)
-    rows = [np.append(end[n], [0, 0]) for n in (2, 3)]
-    rows += [np.append(share * end[n], -beyond[n]) for n in range(4)]
-    for i in range(8):
-        j = int(np.argmin(np.abs(rates + rates[i])))
-        if j > i:
-            rows.append(np.eye(10)[i] - np.eye(10)[j])
-    constants = np.linalg.solve(np.array(rows), [-CURVATURE] + 9 * [0])
-    x = np.abs(np.asarray(x, float))
-    in_x = np.array([inside(at)[0] for at in np.minimum(x, HALF)])
-    out_x = np.array([outside(at)[0] for at in np.maximum(x, HALF)])
-    vessel = np.where(x <= HALF, in_x @ (share * constants[:8]), out_x @ constants[8:])
-    return (in_x @ constants[:8]).real, vessel.real
+    """Displacements (2, n) in mm of stent and vessel at distances x (n,) from the stent's middle.
+
+    Beyond the stent the first is the shift of the wall that follows it.
+    """
+    (rate_in, shape_in), (rate_out, shape_out) = modes(DEVICE), modes(0.0)
+    assert len(rate_in) == 5 and len(rate_out) == 4
+    inside = conditions(rate_in, shape_in, DEVICE, HALF, mirrored=True)
+    outside = conditions(-rate_out, shape_out, 0.0, 0.0, mirrored=False)
+    outside[8] = 0  # the stent's moment is asked for inside alone
+    constants = np.linalg.solve(np.hstack([inside, -outside]), np.append(np.zeros(8), -CURVATURE))
+    within, beyond = constants[:5], constants[5:]
+    return np.array(
+        [
+            (
+                (shape_in[:2] * 2 * np.cosh(rate_in * y)) @ within
+                if y <= HALF
+                else (shape_out[:2] * np.exp(-rate_out * (y - HALF))) @ beyond
+            ).real
+            for y in np.abs(x)
+        ]
+    ).T
 
 
 def errors_at(step_mm):
@@ -86,21 +120,22 @@ def errors_at(step_mm):
 
 
 def test_the_closed_form_keeps_its_conditions():
-    """v is continuous and 0 far away; both are straightened, and the stent is free at its ends."""
-    end = np.array([HALF - 1e-6, HALF + 1e-6, 70.0])
-    v = exact(end)[1]
-    assert v[0] == pytest.approx(v[1], abs=1e-7) and abs(v[2]) < 1e-3 * abs(v[0])
-    x = np.linspace(HALF - 1, HALF, 201)
-    assert np.gradient(np.gradient(exact(x)[0], 0.005), 0.005)[-4] == pytest.approx(-CURVATURE, rel=0.01)
+    """Stent and vessel are continuous and 0 far away. Both are straightened."""
+    ends = exact(np.array([HALF - 1e-6, HALF + 1e-6, 70.0]))
+    assert ends[:, 0] == pytest.approx(ends[:, 1], abs=1e-7)
+    assert np.abs(ends[:, 2]).max() < 1e-3 * np.abs(ends).max()
     middle = np.linspace(-1, 1, 201)
     bent = [np.gradient(np.gradient(w, 0.01), 0.01)[100] for w in exact(middle)]
     assert -CURVATURE < min(bent) and max(bent) < -0.1 * CURVATURE
 
 
 def test_straightening_converges_to_the_closed_form():
-    """By the second order, since the foundation and the sections' resistance are lumped to the nodes."""
+    """By the second order, since the foundation and the sections' resistance are lumped to the nodes.
+
+    The closed form ignores that the axis turns by 0.01 along the stent. This is 5e-5 of the displacements.
+    """
     errors = np.array([errors_at(step) for step in STEPS])
-    assert np.log(errors[:-1] / errors[1:]) / np.log(2) == pytest.approx(np.full((2, 2), 2), abs=0.3)
+    assert np.log(errors[:-1] / errors[1:]) / np.log(2) == pytest.approx(np.full((2, 2), 2), abs=0.35)
     assert max(errors_at(beams.LARGEST_ELEMENT_MM)) < 2e-3
 
 
@@ -111,20 +146,30 @@ def test_ends_of_a_device_may_lie_anywhere():
     assert np.abs(found.vessel_mm[:, 1] - right).max() < 2e-3 * np.abs(right).max()
 
 
-HARDENING = (0.0, 2e-3, 5e-3, 2e-2), (0.0, 2e-4, 1e-3, 1e-2)
+HARDENING = (0.0, 1e-3, 3e-3, 2e-2), (0.0, 1e-4, 8e-4, 1e-2)
 GAP = (0.0, 5e-3, 5.5e-3, 2e-2), (0.0, 1e-7, 2e-3, 0.1)  # the stent moves freely before it meets the wall
 
 
 @pytest.mark.parametrize("points", [HARDENING, GAP])
 def test_sections_that_harden_balance_the_stent(points):
     """The sections' forces hold the stent: they have no resultant and no moment, and follow the law."""
-    found = stent_in_vessel.straighten(Arc(), [stent()], sections(VESSEL, 2.0, *points), FOUNDATION)
-    x, force, offset = found.s_mm[found.stented] - LENGTH / 2, found.force_n_per_mm[:, 1], found.offset_mm[:, 1]
+    vessel = sections(VESSEL, SHEAR, *points)
+    found = stent_in_vessel.straighten(Arc(), [stent()], vessel, FOUNDATION)
+    x, force, offset = found.s_mm - LENGTH / 2, found.force_n_per_mm[:, 1], found.offset_mm[:, 1]
     assert np.trapz(force, x) == pytest.approx(0, abs=1e-3 * np.trapz(np.abs(force), x))
     assert np.trapz(x * force, x) == pytest.approx(0, abs=1e-3 * np.trapz(np.abs(x * force), x))
-    assert np.abs(force) == pytest.approx(np.interp(np.abs(offset), *points), rel=1e-3, abs=1e-6)
-    assert np.abs(offset).max() > points[0][2] and np.abs(offset).min() < points[0][1], "several parts are met"
+    law = vessel.laws[0][1]
+    assert np.abs(force) == pytest.approx([law.at(d)[0] for d in np.abs(offset)], rel=1e-3, abs=2e-6)
+    assert np.abs(offset).max() > points[0][1] > np.abs(offset).min(), "several parts are met"
     assert found.lumen_mm == pytest.approx(0.5 * found.offset_mm), "as this law has it"
+
+
+def test_a_law_goes_through_its_points_and_on_as_a_line():
+    law = sections(VESSEL, SHEAR, *HARDENING).laws[0][1]
+    at = np.array([law.at(d) for d in HARDENING[0]])
+    assert at[:, 0] == pytest.approx(HARDENING[1]) and at[:, 2] == pytest.approx(0.5 * np.array(HARDENING[0]))
+    (last, slope, _), (beyond, same, lumen) = law.at(2e-2), law.at(3e-2)
+    assert beyond == pytest.approx(last + 1e-2 * slope) and same == slope and lumen == pytest.approx(1.5e-2)
 
 
 def test_two_stents_apart_act_on_one_vessel():
@@ -141,9 +186,9 @@ def test_two_stents_apart_act_on_one_vessel():
 def test_unusual_places_of_stents(spans):
     """At the vessel's start, beyond its end, overlapping, touching, very short: the forces on the stents balance."""
     stents = [devices.Stent("stent", *span, 0.955, 0.22, DEVICE, 1.5, 0.5) for span in spans]
-    found = stent_in_vessel.straighten(Arc(), stents, sections(VESSEL, 2.0, *HARDENING), FOUNDATION)
+    found = stent_in_vessel.straighten(Arc(), stents, sections(VESSEL, SHEAR, *HARDENING), FOUNDATION)
     force = found.force_n_per_mm[:, 1]
-    x = found.s_mm[found.stented]
+    x = found.s_mm
     assert np.trapz(np.abs(force), x) > 0
     assert np.trapz(force, x) == pytest.approx(0, abs=1e-3 * np.trapz(np.abs(force), x))
 
