@@ -23,7 +23,7 @@ class WallBending:
 
     def __init__(self, mesh, displacement, shear_modulus, inverse_gradient, measure):
         """shear_modulus: per undeformed area, in MPa; inverse_gradient: of the deformation, in the plane."""
-        space = fem.FunctionSpace(mesh, ("Lagrange", 2))
+        space = fenicsx.function_space(mesh, fenicsx.lagrange("quadrilateral", 2))
         self.shape = fem.Function(displacement.function_space)  # phi
         self._warping, self._direction = fem.Function(space), fem.Constant(mesh, (1.0, 0.0))
         trial, test = ufl.TrialFunction(space), ufl.TestFunction(space)
@@ -48,7 +48,7 @@ class WallBending:
         solver.setType("preonly")
         solver.getPC().setType("lu")
         solver.setOperators(matrix)
-        solver.solve(vector, self._warping.vector)
+        solver.solve(vector, fenicsx.petsc_vector(self._warping))
         one, x, psi, xx, xpsi, psipsi = (fem.assemble_scalar(form) for form in self._moments)
         xx, xpsi, psipsi = xx - x * x / one, xpsi - x * psi / one, psipsi - psi * psi / one
         following = xpsi / xx
