@@ -54,10 +54,11 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
     solved = solve_lumen(model, patient, steps, settings)
     bent, stents = solved.straightening, [step.stent for step in steps if step.stent]
     fixed_ends = [(centre, radius) for _, centre, _, radius in open_ends(branches)]
+    motion = deformation.AxisMotion(bent.s_mm, bent.vessel_mm, bent.turn)
     surface = _deform_surface(
         lumen,
         branches,
-        lambda x: deformation.move_points(x, branch, solved.field, bent.s_mm, bent.vessel_mm, fixed_ends),
+        lambda x: deformation.move_points(x, branch, solved.field, motion, fixed_ends),
         settings["edge_mm"],
     )
 

@@ -84,6 +84,8 @@ class VesselSections:
 class Straightening:
     """Displacements in mm: vessel_mm (n, 3) of the vessel at s_mm (n,), stent_mm (m, 3) at the nodes `stented` (m,).
 
+    turn (n, 3): change of the unit vector across the vessel's section. As the vessel shears, it is not the slope of
+    vessel_mm.
     offset_mm, force_n_per_mm, lumen_mm (n, 3): offset of the stent from the vessel's section, its force on the section,
     and the shift of the lumen's centre from the section, each across the axis. Beyond a stent the offset is that of the
     wall, which bends with its neighbour.
@@ -91,6 +93,7 @@ class Straightening:
 
     s_mm: np.ndarray
     vessel_mm: np.ndarray
+    turn: np.ndarray
     stented: np.ndarray
     stent_mm: np.ndarray
     offset_mm: np.ndarray
@@ -134,7 +137,7 @@ def straighten(axis, stents, sections, foundation_n_per_mm2, step_mm=beams.LARGE
     s = beams.nodes(axis.length_mm, stents, step_mm)
     if not stents:
         none = np.zeros((len(s), 3))
-        return Straightening(s, none, np.zeros(0, int), none[:0], none, none, none)
+        return Straightening(s, none, none, np.zeros(0, int), none[:0], none, none, none)
     beam = _CoupledBeams(axis, stents, s, sections, foundation_n_per_mm2)
     x = np.zeros(beam.size)
     for _ in range(MOST_ITERATIONS):
@@ -165,11 +168,11 @@ class _CoupledBeams:
         self.length = 0.5 * (np.append(np.diff(s_mm), 0) + np.append(0, np.diff(s_mm)))
         # Rows of a unit matrix choose unknowns.
         unit = identity(5 * n, format="csr")
-        self.w, self.v, slope_of_d = slice(0, 2 * n, 2), slice(2 * n, 4 * n, 2), slice(4 * n, 5 * n)
-        rotation = slice(2 * n + 1, 4 * n, 2)
+        self.w, self.v, self.rotation = slice(0, 2 * n, 2), slice(2 * n, 4 * n, 2), slice(2 * n + 1, 4 * n, 2)
+        slope_of_d = slice(4 * n, 5 * n)
         following, wall_bending = sections.wall_along(s_mm)
         offset, middle = unit[self.w] - unit[self.v], 0.5 * (s_mm[1:] + s_mm[:-1])
-        beam = _alternating(unit[self.v] + diags(following) @ offset, unit[rotation])
+        beam = _alternating(unit[self.v] + diags(following) @ offset, unit[self.rotation])
         bending, shear = (np.interp(middle, sections.s_mm, v) for v in (sections.bending_n_mm2, sections.shear_n))
         stent_bending = beams.stent_bending(stents, s_mm)
         wall = _alternating(offset, unit[slope_of_d])
@@ -232,9 +235,8 @@ class _CoupledBeams:
         offset, size, (force, _, lumen) = self._laws(x)
         unit = offset / np.maximum(size, 1e-12)[:, None]
         solved = (self._kept @ x).reshape(-1, 3)
-        stent = solved[self.w][self.stented]
-        moved = solved[self.v]
-        return Straightening(self.s, moved, self.stented, stent, offset, force[:, None] * unit, lumen[:, None] * unit)
+        stent, force, lumen = solved[self.w][self.stented], force[:, None] * unit, lumen[:, None] * unit
+        return Straightening(self.s, solved[self.v], solved[self.rotation], self.stented, stent, offset, force, lumen)
 
 
 def _alternating(even, odd):

@@ -118,21 +118,30 @@ def smooth_fall(x):
     return 1 - x**3 * (10 - 15 * x + 6 * x * x)
 
 
-def move_points(points_mm, branch, lumen, axis_s_mm, axis_shift_mm, fixed_ends):
+class AxisMotion:
+    """Motion of a branch's sections by straightening: shift_mm (k, 3), and how they turn, at arc lengths s_mm (k,).
+
+    turn (k, 3): change of the unit vector across the section. None: sections stay perpendicular to the axis.
+    """
+
+    def __init__(self, s_mm, shift_mm, turn=None):
+        self.shift = CubicSpline(s_mm, shift_mm)
+        self.turn = self.shift.derivative() if turn is None else CubicSpline(s_mm, turn)
+
+
+def move_points(points_mm, branch, lumen, motion, fixed_ends):
     """Points (n, 3) in mm after the procedure.
 
     Points on the branch's lumen follow its LumenDeformation `lumen`. Points outside it, such as side branches, follow
     as incompressible tissue does: rho' = sqrt(rho^2 + r'^2 - r^2). Here rho is the distance from the axis, r the
     lumen's radius, and a prime means after the procedure. Their displacement falls to 0 over FADE_DISTANCE_MM from the
-    lumen. axis_s_mm (k,), axis_shift_mm (k, 3): displacement of the axis by straightening, which is added. fixed_ends:
-    (centre (3,), radius mm) of the vessel's ends. Their caps stay, and within CAP_FADE_MM of them the displacement
-    falls to 0.
+    lumen. motion: AxisMotion of the sections by straightening, which is added. fixed_ends: (centre (3,), radius mm) of
+    the vessel's ends. Their caps stay, and within CAP_FADE_MM of them the displacement falls to 0.
     """
     axis = branch.axis
-    shift = CubicSpline(axis_s_mm, axis_shift_mm)
     s = axis.nearest(points_mm)
-    moved_by = _displacement_from(points_mm, np.clip(s, 0, axis.length_mm), branch, lumen, shift)
-    far, mean = _mean_displacement(points_mm, branch, lumen, shift)
+    moved_by = _displacement_from(points_mm, np.clip(s, 0, axis.length_mm), branch, lumen, motion)
+    far, mean = _mean_displacement(points_mm, branch, lumen, motion)
     moved_by[far] = mean
     kept = ((s > 0) & (s < axis.length_mm)).astype(float)
     for centre, radius in fixed_ends:
@@ -140,10 +149,10 @@ def move_points(points_mm, branch, lumen, axis_s_mm, axis_shift_mm, fixed_ends):
     return points_mm + kept[:, None] * moved_by
 
 
-def _displacement_from(points_mm, s_mm, branch, lumen, shift):
+def _displacement_from(points_mm, s_mm, branch, lumen, motion):
     """Displacement (n, 3) in mm of points (n, 3), as if each moved with the branch's section at its s_mm (n,).
 
-    shift: spline of the axis's displacement by straightening.
+    motion: AxisMotion.
     """
     axis = branch.axis
     offset = points_mm - axis.point(s_mm)
@@ -162,25 +171,24 @@ def _displacement_from(points_mm, s_mm, branch, lumen, shift):
     local *= np.clip(rho / np.maximum(r, 1e-9), 0, 1)[:, None]
     arm = offset + local
     arm *= np.minimum(1, opened / np.maximum(np.linalg.norm(arm, axis=1), 1e-9))[:, None]
-    turned = _turn_with_axis(arm, tangent, shift(s_mm, 1)) - arm
-    return smooth_fall(gap / FADE_DISTANCE_MM)[:, None] * (local + shift(s_mm) + turned)
+    turned = _turned(arm, tangent, motion.turn(s_mm)) - arm
+    return smooth_fall(gap / FADE_DISTANCE_MM)[:, None] * (local + motion.shift(s_mm) + turned)
 
 
-def _turn_with_axis(vectors, tangent, slope):
-    """Vectors (n, 3) fixed to sections of a beam, after a displacement of the beam's axis with the given slope (n, 3).
+def _turned(vectors, tangent, turn):
+    """Vectors (n, 3) fixed to sections whose unit vectors across, the axis's tangents (n, 3), change by turn (n, 3).
 
-    Sections of a slender beam stay perpendicular to its axis (Euler and Bernoulli), so they turn with it. If they only
-    shifted sideways, the moved axis would cut them obliquely. Their lumen would be too narrow, and would fold in a
-    sharp bend. tangent (n, 3): the axis's tangents before.
+    If sections only shifted sideways, a moved axis would cut them obliquely. Their lumen would be too narrow, and would
+    fold in a sharp bend.
     """
-    new = tangent + slope
+    new = tangent + turn
     new /= np.linalg.norm(new, axis=1, keepdims=True)
     turn, cosine = np.cross(tangent, new), np.sum(tangent * new, axis=1, keepdims=True)
     across = np.cross(turn, vectors)
     return vectors + across + np.cross(turn, across) / (1 + cosine)
 
 
-def _mean_displacement(points_mm, branch, lumen, shift):
+def _mean_displacement(points_mm, branch, lumen, motion):
     """(far (n,) bool, displacement (m, 3) in mm of the far points), means over sections of the branch.
 
     Far points lie between MEAN_FROM_MM and FADE_DISTANCE_MM from the lumen. Inside a bend the nearest place on the axis
@@ -204,7 +212,7 @@ def _mean_displacement(points_mm, branch, lumen, shift):
         exponent = (distance**2 - distance.min(axis=1, keepdims=True) ** 2) / (2 * width**2)
         row, column = np.nonzero(exponent < LARGEST_EXPONENT)
         weight = np.exp(-exponent[row, column])
-        single = _displacement_from(part[chosen][row], s[column], branch, lumen, shift)
+        single = _displacement_from(part[chosen][row], s[column], branch, lumen, motion)
         total = np.bincount(row, weight)
         means.append(np.stack([np.bincount(row, weight * single[:, k]) / total for k in range(3)], axis=1))
     return far, np.concatenate(means)
