@@ -23,7 +23,7 @@ class StraightenedTube(TreatedTube):
     """
 
     radial_support = True
-    least_margin_mm = 15.0  # three of the lengths over which a shift decays in the beam of a healthy vessel
+    least_margin_mm = 12.0  # more than two of the lengths over which a shift decays in the beam of a healthy vessel
 
     def straighten(self):
         """Lets the stent straighten the tube. First call `run`.
