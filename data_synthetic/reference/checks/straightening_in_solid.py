@@ -3,12 +3,14 @@
 import json
 import logging
 import pathlib
+import sys
 import time
 
 import numpy as np
 from scipy.interpolate import make_lsq_spline
 
 from common.documents import config
+from common.errors import ComputationError
 from common.files import write_json
 
 from .. import run
@@ -42,38 +44,25 @@ def compare(scene_path, truth_path, out, meshes, settings_path=None):
     There are two curvatures: that of the lumen's centres, and that of the stent. Areas of the lumen along the
     stent and at its two ends show how the stent presses the wall aside; `before` is before it straightens the vessel.
 
-    meshes: meshes of the solid as texts for `against_solid.parse_mesh`, coarse to fine. Returns the document. Raises
-    InputError, ComputationError.
+    meshes: meshes of the solid as texts for `against_solid.parse_mesh`, coarse to fine. A mesh whose solid does not
+    converge stands under `unsolved`. Returns the document. Raises InputError; ComputationError if no mesh converges.
     """
     logging.disable(logging.INFO)
     parsed_meshes = [parse_mesh(text) for text in meshes]
     scene, settings = run.load_scene(scene_path), config.load_section(settings_path, "reference")
     patient, steps = run.read_patient_and_steps(scene, scene_path, truth_path)
     stents, axis, solids = [step.stent for step in steps if step.stent], patient.branch.axis, []
+    unsolved = []
     for text, mesh in zip(meshes, parsed_meshes):
-        start = time.perf_counter()
-        tube = StraightenedTube(patient, steps, settings, mesh)
-        tube.run()
-        span, s = tube.stented_span, tube.tube.station_s_mm
-        inside = np.flatnonzero((s > span[0] - 1e-6) & (s < span[1] + 1e-6))
-        along = np.linspace(*span, 201)
-        before = np.interp(along, s, tube.area_profile()[1])
-        shift, stent_shift = tube.straighten()
-        area = np.interp(along, s, tube.area_profile()[1])
-        solids.append(
-            {
-                "mesh": text,
-                "degrees_of_freedom": tube.model.degrees_of_freedom(),
-                "seconds": round(time.perf_counter() - start, 1),
-                "curvature_per_mm": mean_curvature(axis, s, shift, span),
-                "stent_curvature_per_mm": mean_curvature(axis, s[inside], stent_shift, span),
-                "largest_shift_mm": float(np.linalg.norm(shift, axis=1).max()),
-                "areas_before_mm2": _stent_areas(before),
-                "areas_mm2": _stent_areas(area),
-                "s_mm": s.round(6).tolist(),
-                "shift_mm": shift.round(6).tolist(),
-            }
-        )
+        try:
+            solids.append(_solve_solid(text, mesh, patient, steps, settings))
+        except ComputationError as error:
+            unsolved.append({"mesh": text, "message": str(error)})
+            print(error, file=sys.stderr)
+            if len(unsolved) == len(meshes):
+                raise
+    span = slices.stented_spans(steps)[0]
+    along = np.linspace(*span, 201)
     start = time.perf_counter()
     solved = solve_lumen(slices.slice_model(settings), patient, steps, settings)
     bent = solved.straightening
@@ -93,11 +82,36 @@ def compare(scene_path, truth_path, out, meshes, settings_path=None):
             "areas_mm2": _stent_areas(slice_areas(solved.field, patient.branch, along)),
         },
         "solids": solids,
+        "unsolved": unsolved,
     }
     write_json(pathlib.Path(out) / "straightening_vs_3d.json", document)
     shown = {"before": document["curvature_before_per_mm"], "beams": document["beams"]["curvature_per_mm"]}
     print(json.dumps(shown | {one["mesh"]: one["curvature_per_mm"] for one in solids}, indent=1))
     return document
+
+
+def _solve_solid(text, mesh, patient, steps, settings):
+    """Entry (dict) of straightening_vs_3d.json for the solid of a mesh, which is named `text`."""
+    start = time.perf_counter()
+    tube = StraightenedTube(patient, steps, settings, mesh)
+    tube.run()
+    axis, span, s = patient.branch.axis, tube.stented_span, tube.tube.station_s_mm
+    inside = np.flatnonzero((s > span[0] - 1e-6) & (s < span[1] + 1e-6))
+    along = np.linspace(*span, 201)
+    before = np.interp(along, s, tube.area_profile()[1])
+    shift, stent_shift = tube.straighten()
+    return {
+        "mesh": text,
+        "degrees_of_freedom": tube.model.degrees_of_freedom(),
+        "seconds": round(time.perf_counter() - start, 1),
+        "curvature_per_mm": mean_curvature(axis, s, shift, span),
+        "stent_curvature_per_mm": mean_curvature(axis, s[inside], stent_shift, span),
+        "largest_shift_mm": float(np.linalg.norm(shift, axis=1).max()),
+        "areas_before_mm2": _stent_areas(before),
+        "areas_mm2": _stent_areas(np.interp(along, s, tube.area_profile()[1])),
+        "s_mm": s.round(6).tolist(),
+        "shift_mm": shift.round(6).tolist(),
+    }
 
 
 def _stent_areas(area_mm2):

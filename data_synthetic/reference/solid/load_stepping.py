@@ -19,7 +19,7 @@ LOAD_NAMES = ("balloon_radius", "balloon_stiffness", "balloon_cap", "balloon_sha
     "pressure",
 )
 MAX_ITERATIONS = 14  # largest number of Newton's iterations in one load step
-MOST_HALVINGS = 7  # a load step is halved at most this many times
+MOST_HALVINGS = 10  # a load step is halved at most this many times
 DIVERGENCE_FACTOR = 2.0  # Newton's method gives up if the residual exceeds the first one by this factor
 
 
